@@ -1,4 +1,5 @@
-//! Diagnostics: the problems of a description. Each has a place and a remedy if they are known.
+//! Diagnostics: errors, warnings and notes about a description. Each has a place and a remedy if they are
+//! known.
 //!
 //! Each stage returns either a correct value or [`Diagnostics`] with all problems that the stage found. A
 //! [`Diagnostic`] has a copy of the source line, which terminal, build log and JSON show.
@@ -12,11 +13,11 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Diagnostics(Vec<Diagnostic>);
 
-/// Largest number of printed entries. A malicious file may cause a million diagnostics.
+/// Largest number of printed diagnostics. A malicious file may cause a million of them.
 const SHOWN: usize = 100;
 
 impl Diagnostics {
-    /// Sorts the entries by place and removes duplicates. Entries without a place come first.
+    /// Sorts the diagnostics by place and removes duplicates. Diagnostics without a place come first.
     pub fn new(mut entries: Vec<Diagnostic>) -> Self {
         entries.sort_by(|a, b| key(a).cmp(&key(b)));
         entries.dedup();
@@ -33,7 +34,7 @@ impl Diagnostics {
         self.0
     }
 
-    /// Whether the list is empty.
+    /// Whether the list has no diagnostics.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -43,7 +44,7 @@ impl Diagnostics {
         self.error_count() > 0
     }
 
-    /// Number of errors.
+    /// Number of diagnostics that are errors.
     pub fn error_count(&self) -> usize {
         self.0.iter().filter(|entry| entry.severity == Severity::Error).count()
     }
@@ -78,11 +79,11 @@ impl std::error::Error for Diagnostics {}
 /// A place in the texts of a [`Report`]: bytes `start..end` of one text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Span {
-    /// Index of the text in the [`Report`].
+    /// Index of the text in its [`Report`].
     pub source: usize,
-    /// Index of the first byte.
+    /// Index of the first byte of the place.
     pub start: usize,
-    /// Index after the last byte.
+    /// Index after the last byte of the place.
     pub end: usize,
 }
 
@@ -93,12 +94,12 @@ impl Span {
     }
 }
 
-/// A value with its place.
+/// A value with its place in the text.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct At<T> {
-    /// The value.
+    /// The value that was read.
     pub value: T,
-    /// Place of the value.
+    /// Place from which the value was read.
     pub span: Span,
 }
 
@@ -109,7 +110,7 @@ impl<T> At<T> {
     }
 }
 
-/// A text that was read.
+/// A text that was read, with its name and the starts of its lines.
 #[derive(Debug)]
 struct Source {
     name: String,
@@ -125,7 +126,8 @@ pub(crate) struct Report {
     dropped: usize,
 }
 
-/// Largest number of kept diagnostics. Finding their places in very long lines takes time.
+/// Largest number of diagnostics that a report keeps, because finding their places in very long lines takes
+/// time.
 const KEPT: usize = 1000;
 
 impl Report {
@@ -137,30 +139,30 @@ impl Report {
         self.sources.len() - 1
     }
 
-    /// The characters of a span; empty if the text has no such bytes.
+    /// The characters of the text at a place; empty if the place lies outside the text.
     pub fn text(&self, span: Span) -> &str {
         self.sources.get(span.source).and_then(|source| source.text.get(span.start..span.end)).unwrap_or("")
     }
 
-    /// Adds an error.
+    /// Adds an error at a place in the text.
     pub fn error(&mut self, span: Span, code: &'static str, message: impl Into<String>) -> &mut Self {
         let entry = Diagnostic::error(code, message);
         self.push(Some(span), entry)
     }
 
-    /// Adds a warning.
+    /// Adds a warning at a place in the text.
     pub fn warning(&mut self, span: Span, code: &'static str, message: impl Into<String>) -> &mut Self {
         let entry = Diagnostic::warning(code, message);
         self.push(Some(span), entry)
     }
 
-    /// Adds a note.
+    /// Adds a note, with or without a place in the text.
     pub fn note(&mut self, span: Option<Span>, code: &'static str, message: impl Into<String>) -> &mut Self {
         let entry = Diagnostic::note(code, message);
         self.push(span, entry)
     }
 
-    /// Adds a diagnostic. If the list is full, an error is only counted.
+    /// Adds a diagnostic. If the report is full, an error is only counted.
     pub fn push(&mut self, span: Option<Span>, mut entry: Diagnostic) -> &mut Self {
         if self.is_full() && entry.severity == Severity::Error {
             self.dropped += 1;
@@ -184,12 +186,12 @@ impl Report {
         errors.count() + self.dropped
     }
 
-    /// Whether the list is full. Further errors are then only counted.
+    /// Whether the report is full. Further errors are then only counted.
     pub fn is_full(&self) -> bool {
         self.entries.len() >= KEPT
     }
 
-    /// Whether an error was added.
+    /// Whether an error was added to the report.
     pub fn has_errors(&self) -> bool {
         self.error_count() > 0
     }
@@ -206,8 +208,8 @@ impl Report {
         Diagnostics::new(self.entries)
     }
 
-    /// The place of a span as `file:line:column`, for messages with a second place; empty if the span is not
-    /// in a text.
+    /// Text `file:line:column` of a place, for messages with a second place; empty if the place is not in a
+    /// text.
     pub fn place(&self, span: Span) -> String {
         self.location(span).map_or_else(String::new, |at| format!("{}:{}:{}", at.file, at.line, at.column))
     }
@@ -237,8 +239,8 @@ impl Report {
 /// Largest number of characters of a line that are shown.
 const WINDOW: usize = 120;
 
-/// The visible part of a line, the index of the marked column in this part, and the number of marked
-/// characters.
+/// Returns the part of a line that is shown, the index of the marked column in this part, and the number of
+/// marked characters.
 fn excerpt(line: &str, column: usize, marked: usize) -> (String, usize, usize) {
     let skipped = if column + 20 > WINDOW { column - 20 } else { 0 };
     let visible = line.chars().skip(skipped).take(WINDOW);

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Names in use, and for each stem the last number that was appended to it. Without this number, thousands of
-/// equal names would take quadratic time.
+/// Names in use. Also contains the last number appended to each stem, because a search for it would take
+/// quadratic time with thousands of equal names.
 #[derive(Debug, Default)]
 pub(crate) struct Distinct {
     taken: BTreeSet<String>,
@@ -17,7 +17,8 @@ impl Distinct {
         self.take_by_stem(wanted, wanted)
     }
 
-    /// The wanted name, or the stem with a number if the wanted name is in use.
+    /// Returns the wanted name, or the stem with a number if the wanted name is in use. The result is then in
+    /// use.
     pub(crate) fn take_by_stem(&mut self, wanted: &str, stem: &str) -> String {
         let mut name = wanted.to_owned();
         while self.taken.contains(&name) {

@@ -5,7 +5,7 @@ macro_rules! names {
     ($($constant:ident = $name:literal,)*) => {
         $(#[doc = concat!("`", $name, "`")] pub const $constant: &str = $name;)*
 
-        /// Names of all functions except the functions of named frames.
+        /// Names of all functions except those of named frames such as `frame_tool_pose`.
         const OF_ROBOTS: &[&str] = &[$($name),*];
     };
 }
@@ -72,7 +72,7 @@ pub fn select_all(selection: &[String]) -> bool {
 /// A quantity of a named frame. The generated module has one function for each frame and quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameKind {
-    /// Position and orientation of the frame.
+    /// Position and orientation of the frame in the base frame.
     Pose,
     /// Jacobian J. `J ẏ` is the velocity of the frame: linear, then angular, in the axes of the base.
     Jacobian,
@@ -81,10 +81,10 @@ pub enum FrameKind {
 }
 
 impl FrameKind {
-    /// All quantities of a frame.
+    /// All quantities of a frame: pose, Jacobian, and `J̇ ẏ`.
     pub const ALL: [Self; 3] = [Self::Pose, Self::Jacobian, Self::JacobianRateTimesVelocity];
 
-    /// Name of the function with the placeholder `NAME` for the name of the frame.
+    /// Name pattern of the frame's function, for example `frame_NAME_pose`.
     #[must_use]
     pub const fn pattern(self) -> &'static str {
         match self {
@@ -100,7 +100,8 @@ impl FrameKind {
         self.pattern().replace("NAME", frame)
     }
 
-    /// Whether the name is a name of a frame's function. Whether the frame exists is not checked.
+    /// Whether a name has this quantity's pattern, for example `frame_tool_pose`. Whether the frame exists is
+    /// not checked.
     fn is_of(self, name: &str) -> bool {
         let frame = self.pattern().split_once("NAME").and_then(|(start, end)| {
             let rest = name.strip_prefix(start)?;

@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::program::cost::count;
 use crate::program::lanes;
 
-/// Names of the functions that are requested over lanes.
+/// Names of the functions that are requested over lanes, that is for eight states at once.
 pub(crate) struct Lanes(Vec<String>);
 
 impl Lanes {
@@ -30,12 +30,13 @@ impl Lanes {
         Ok(Self(asked.to_vec()))
     }
 
-    /// The requested names. Groups are not replaced by the names of their functions.
+    /// The requested names as written, for example with a group `all` instead of its functions.
     pub(crate) fn names(&self) -> &[String] {
         &self.0
     }
 
-    /// Returns the selection together with the functions over lanes. A selection of all functions is unchanged.
+    /// Returns the names of the functions to generate, with those for eight states at once added. A selection
+    /// of all functions is unchanged.
     pub(crate) fn selected_with(&self, selection: &[String]) -> Vec<String> {
         let mut all = selection.to_vec();
         if !function_names::select_all(selection) {
@@ -45,7 +46,8 @@ impl Lanes {
         all
     }
 
-    /// Returns the functions with a form over lanes, and a note for each function without this form.
+    /// Returns the functions that can be written for eight states at once, and a note for each requested
+    /// function that cannot.
     pub(crate) fn possible(&self, functions: &[Function]) -> (Vec<String>, Vec<Diagnostic>) {
         let (mut possible, mut notes) = (Vec::new(), Vec::new());
         for name in self.resolved(functions) {
@@ -65,7 +67,7 @@ impl Lanes {
         (possible, notes)
     }
 
-    /// The names, with groups replaced by the names of their functions.
+    /// Names of the requested functions. A group is replaced by the names of its functions.
     fn resolved(&self, functions: &[Function]) -> Vec<String> {
         let frames = || {
             let of_frames = functions.iter().filter(|function| function.frame.is_some());
@@ -80,9 +82,9 @@ impl Lanes {
     }
 }
 
-/// Names of the straight-line functions that can be written over lanes. Tools that work on arrays of states
-/// call them. Functions with loops over joints are left out, so that their text and their results do not
-/// change.
+/// Names of the straight-line functions that can be written over lanes (for eight states at once). Tools that
+/// work on arrays of states call them. Functions with loops over joints are left out, so that their text and
+/// their results do not change.
 ///
 /// - `others`: names of further excluded functions
 pub(crate) fn of_straight_line_code(functions: &[Function], others: &[String]) -> Vec<String> {
@@ -92,8 +94,9 @@ pub(crate) fn of_straight_line_code(functions: &[Function], others: &[String]) -
     possible.map(|function| function.name.clone()).collect()
 }
 
-/// Returns a note if the function would have loops over joints without the request over lanes. With the request,
-/// the function for one state is also straight-line code, so that both compute the same bits.
+/// Returns a note if the function would have loops over joints without the request for eight states at once.
+/// With the request, the function for one state is also straight-line code, so that both compute the same
+/// bits.
 fn without_loops(name: &str, functions: &[Function]) -> Option<Diagnostic> {
     let cost = count(&functions.iter().find(|function| function.name == name)?.program);
     let operations = cost.multiplications + cost.additions;
@@ -110,7 +113,7 @@ fn without_loops(name: &str, functions: &[Function]) -> Option<Diagnostic> {
     })
 }
 
-/// Reason why a function has no form over lanes, and remedy.
+/// Reason why a function cannot be written for eight states at once, and remedy; `None` if it can.
 fn obstacle(name: &str, functions: &[Function]) -> Option<(&'static str, Option<String>)> {
     if let Some(function) = functions.iter().find(|function| function.name == name) {
         return lanes::obstacle(&function.program).map(|reason| (reason, None));

@@ -1,9 +1,10 @@
-//! Meaning and number of array entries. Lengths of arrays have names in generated code.
+//! Meaning and number of the entries of function arguments and results. Lengths of arrays have names in
+//! generated code.
 
 /// Meaning of the entries of an array. It determines the name of the array's length in every language.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
-    /// Coordinates y.
+    /// Coordinates y of a robot without quaternions, one for each independent joint.
     Coordinates,
     /// Position entries y of a robot with quaternions. A quaternion has four position entries, but three
     /// velocities.
@@ -13,9 +14,9 @@ pub enum Dimension {
     /// Velocities ẏ, and quantities with one entry for each velocity: accelerations, forces, and derivatives
     /// with respect to small motions.
     Velocities,
-    /// Inputs u.
+    /// Inputs u: motor torques, motor currents, or forces at frames.
     Inputs,
-    /// Parameters of a regressor, one for each column.
+    /// Parameters of a regressor (the dynamics as a matrix times these parameters), one for each column.
     Parameters,
     /// Wrenches. Each has six entries: force, then moment.
     Wrenches,
@@ -47,20 +48,21 @@ impl Dimension {
 /// Length of an array, and the meaning of its entries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extent {
-    /// Meaning of the entries.
+    /// Meaning of the array's entries.
     pub dimension: Dimension,
-    /// Number of entries.
+    /// Number of entries of the array.
     pub len: usize,
 }
 
 impl Extent {
-    /// Creates an extent with this number of entries.
+    /// Creates an extent (length and meaning of an array) with `len` entries of this meaning.
     #[must_use]
     pub const fn new(dimension: Dimension, len: usize) -> Self {
         Self { dimension, len }
     }
 
-    /// Length of a row; `None` if the entries do not form rows.
+    /// Length of a row: 6 for wrenches, 3 for driven coordinates (position, velocity and acceleration);
+    /// `None` for other arrays, which have no rows.
     #[must_use]
     pub const fn row(&self) -> Option<usize> {
         match self.dimension {
@@ -70,7 +72,7 @@ impl Extent {
         }
     }
 
-    /// Creates an extent whose length is the same for all robots.
+    /// Creates an extent (length and meaning of an array) whose length is the same for all robots.
     #[must_use]
     pub const fn fixed(len: usize) -> Self {
         Self::new(Dimension::Fixed, len)

@@ -33,8 +33,8 @@ pub struct GenerateOptions {
     pub fused_multiply_add: bool,
     /// Choice between straight-line code and loops over joints for large functions.
     pub form: Form,
-    /// Whether the module has tests of its functions. The tests compare results with the values of the
-    /// generator's interpreter.
+    /// Whether the module has tests of its functions. The tests compare results with values that the
+    /// generator computed.
     pub self_test: bool,
     /// Largest number of operations of a function. If `None`, [`MOST_OPERATIONS`] is the limit.
     pub max_operations: Option<usize>,
@@ -43,14 +43,14 @@ pub struct GenerateOptions {
     pub lanes: Vec<String>,
     /// Lines that are added to the module's documentation of the robot.
     pub remarks: Vec<String>,
-    /// Options of the printer.
+    /// Options of the printer, for example language and precision.
     pub emit: EmitOptions,
 }
 
-/// Results of [`generate`].
+/// Results of [`generate`]: robot, module and text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Generated {
-    /// The robot.
+    /// The robot that was read from the description.
     pub model: Model,
     /// The module: functions and other printed items, before printing.
     pub module: Module,
@@ -154,8 +154,8 @@ pub fn generate_pair(
     Ok([exact, smooth])
 }
 
-/// Largest number of velocities. For longer chains, M and its derivatives have more than 640 000 operations,
-/// twice the default limit, so their modules would lack the dynamics.
+/// Largest number of velocities of a robot. For longer chains of joints, the mass matrix and its derivatives
+/// have more than 640 000 operations, twice the default limit, so their modules would lack the dynamics.
 const MOST_VELOCITIES: usize = 400;
 
 fn check_size(model: &Model) -> Result<(), Diagnostics> {
@@ -273,7 +273,7 @@ pub(crate) mod wrong_functions {
         result
     }
 
-    /// Replaces every sum by a difference, if wrong functions are wanted.
+    /// Replaces every sum of the functions by a difference, if a test requests wrong functions.
     pub(super) fn spoil(functions: &mut [Function]) {
         let instructions = functions.iter_mut().flat_map(|function| &mut function.program.instructions);
         for instruction in instructions.filter(|_| ARE_WANTED.get()) {

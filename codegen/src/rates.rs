@@ -13,19 +13,19 @@ const SEED: u64 = 0x7374_6966;
 /// Step of the finite differences. Steep friction laws have a width of 1e-3 or more.
 const STEP: f64 = 1e-7;
 
-/// Number of matrix squarings after which the norm gives the spectral radius to three digits.
+/// Number of matrix squarings after which `‖A^k‖^(1/k)` gives the spectral radius to three digits.
 const SQUARINGS: usize = 12;
 
-/// A mode of the linearization.
+/// An eigenvalue of the linearized robot, with the coordinate that moves most.
 pub(crate) struct Mode {
-    /// Magnitude of the mode's eigenvalue (1/s).
+    /// Magnitude of the eigenvalue (1/s).
     pub rate: f64,
-    /// Coordinate with the largest entry in the mode's eigenvector.
+    /// Index of the coordinate with the largest entry in the eigenvector.
     pub coordinate: usize,
 }
 
-/// The fastest mode at four seeded positions, with inputs at the effort limits. `None` if no result is
-/// finite.
+/// The eigenvalue of largest magnitude at four random positions with a fixed seed, with inputs at the effort
+/// limits. `None` if no result is finite.
 pub(crate) fn fastest(model: &Model, forward: &Function) -> Option<Mode> {
     let mut random = Random::new(SEED);
     let modes =
@@ -42,7 +42,8 @@ fn positions(model: &Model, random: &mut Random) -> Vec<f64> {
     model.joints().map(|joint| joint.seeded_range()).enumerate().map(value).collect()
 }
 
-/// The matrix ((0, 1), (∂ÿ/∂y, ∂ÿ/∂ẏ)) as a list of rows; `None` if the function has no result.
+/// The matrix ((0, 1), (∂ÿ/∂y, ∂ÿ/∂ẏ)) as a list of rows; `None` if the forward dynamics fail at these
+/// positions.
 fn linearization(model: &Model, forward: &Function, y: &[f64]) -> Option<Vec<Vec<f64>>> {
     let n = y.len();
     let (u, rest) = (inputs(model), vec![0.0; n]);
@@ -95,7 +96,8 @@ fn inputs(model: &Model) -> Vec<f64> {
     model.inputs().map(|each| input(each).unwrap_or(0.0)).collect()
 }
 
-/// The dominant eigenvalue from norms of powers, `‖A^k‖^(1/k)`; `None` if a norm is 0 or not finite.
+/// The dominant eigenvalue of the matrix from norms of powers, `‖A^k‖^(1/k)`; `None` if a norm is 0 or not
+/// finite.
 fn mode(a: &[Vec<f64>]) -> Option<Mode> {
     let n = a.len() / 2;
     let (mut rate, mut power) = (1.0, a.to_vec());

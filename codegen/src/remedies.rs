@@ -1,6 +1,6 @@
 //! Help texts for diagnostics without a help text, by the code of the diagnostic.
 
-/// Help text for this code; `None` if the code has no text.
+/// Help text for the diagnostic with this code; `None` if the code has no text.
 pub(crate) fn remedy(code: &str) -> Option<&'static str> {
     Some(match code {
         "number-not-finite" => "give a finite number, or remove the entry",

@@ -1,4 +1,4 @@
-//! Reference values for tests of a module: seeded states and the interpreter's results.
+//! Reference values for tests of a module: pseudo-random states and the interpreter's results.
 
 use crate::functions::function::Function;
 use crate::layout::Dimension;
@@ -9,14 +9,14 @@ use crate::random::Random;
 /// Number of states at which each function is called.
 pub(crate) const STATES: u64 = 2;
 
-/// One call of a function, with the results of the generator's interpreter.
+/// One call of a function, with the expected results.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SelfTest {
-    /// Name of the function.
+    /// Name of the called function.
     pub function: String,
-    /// Arguments in the order of the function. Each is flat and row-major.
+    /// Arguments of the call, in the order of the function. Each is flat and row-major.
     pub arguments: Vec<Vec<f64>>,
-    /// Results in the order of the function. Each is flat and row-major.
+    /// Expected results of the call, in the order of the function. Each is flat and row-major.
     pub results: Vec<Vec<f64>>,
 }
 
@@ -38,15 +38,15 @@ fn self_test(model: &Model, function: &Function, seed: u64, parameters: &[f64]) 
     is_finite.then(|| SelfTest { function: function.name.clone(), arguments, results })
 }
 
-/// Values of the arguments of a function at the state of a seed.
+/// Arguments of a function at a pseudo-random state, which the seed determines.
 pub(crate) fn arguments(model: &Model, function: &Function, seed: u64) -> Vec<Vec<f64>> {
     let mut random = Random::new(seed);
     let inputs = function.program.inputs.iter();
     inputs.map(|input| entries(model, input.extent.dimension, &mut random)).collect()
 }
 
-/// Entries of an argument. Positions lie within the limits, and no velocity is close to 0, where friction may
-/// jump.
+/// Pseudo-random entries of an argument. Positions lie within the limits, and no velocity is close to 0,
+/// because friction may jump there.
 pub(crate) fn entries(model: &Model, dimension: Dimension, random: &mut Random) -> Vec<f64> {
     match dimension {
         Dimension::Coordinates | Dimension::Positions => {

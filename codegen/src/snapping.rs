@@ -35,8 +35,8 @@ pub fn priced(
     Diagnostics::new(entries)
 }
 
-/// Operation counts with snapped angles and with the angles of the description, as text. The text is empty if
-/// the counts are equal. `None` if no counted function is generated.
+/// Text with the operation counts with and without snapped angles; empty if the counts are equal. `None` if
+/// no counted function is generated.
 fn savings(
     description: &mut DescriptionFiles,
     options: &ReadOptions,

@@ -3,7 +3,7 @@
 use crate::model::*;
 use gelenk_formula::Formula;
 
-/// A row of modified Denavit–Hartenberg parameters: α [°] about x, d [m] along x, r [m] along z.
+/// A row of modified Denavit–Hartenberg parameters: α (°) about x, d (m) along x, r (m) along z.
 pub type Row = (f64, f64, f64);
 
 /// The geometry of the Stäubli RX-90 (Khalil and Dombre 2002).
@@ -16,7 +16,7 @@ pub const RX90: [Row; 6] = [
     (-90.0, 0.0, 0.0),
 ];
 
-/// The geometry of the Puma 560.
+/// The geometry of the Puma 560 in the parameters of [`Row`].
 pub const PUMA: [Row; 6] = [
     (0.0, 0.0, 0.0),
     (-90.0, 0.0, 0.0),
@@ -36,7 +36,7 @@ pub const GENERAL: [Row; 6] = [
     (71.0, 0.05, 0.37),
 ];
 
-/// A chain of revolute joints with full inertias and general centres of mass.
+/// Creates a chain of revolute joints with full inertias and general centres of mass.
 pub fn chain(rows: &[Row], gravity: [f64; 3]) -> Model {
     let base = Link { name: "base".into(), joint: None, bodies: Vec::new() };
     let links = rows.iter().enumerate().map(|(k, &row)| link(k, row));

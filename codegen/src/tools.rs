@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::program;
 use crate::wording::listed;
 
-/// Returns an error if a tool does not support the robot.
+/// Returns an error if CasADi or acados does not support the robot.
 pub(crate) fn check(model: &Model, tools: &[Companion]) -> Result<(), Diagnostics> {
     let products = [(Companion::Acados, ACADOS), (Companion::Casadi, CASADI)].into_iter();
     let mut wanted = products.filter(|(tool, _)| tools.contains(tool));
@@ -48,7 +48,7 @@ const OF_CASADI: [Given; 3] = [
     Given { name: "step", value: "step", derivatives: "step_derivatives" },
 ];
 
-/// A function for CasADi.
+/// A function that CasADi calls, and the functions of the module that compute it.
 struct Given {
     name: &'static str,
     /// Name of the module's function that computes the value.
@@ -93,7 +93,7 @@ pub(crate) fn in_single_precision(emit: &EmitOptions) -> Option<[String; 2]> {
     Some([format!("functions for {name} in single precision"), format!("{name} computes")])
 }
 
-/// Derivatives of the functions that CasADi calls, with respect to the free parameters.
+/// Derivatives with respect to the free parameters, for the functions that CasADi calls.
 pub(crate) fn by_parameters(model: &Model, functions: &[Function]) -> Vec<Function> {
     let count = model.parameters.len();
     let is_differentiated = |function: &&Function| {

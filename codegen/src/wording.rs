@@ -1,6 +1,6 @@
 //! Formatting of numbers and lists of names in messages.
 
-/// Largest number of listed names.
+/// Largest number of entries that a list in a message shows.
 const LISTED: usize = 4;
 
 /// Names as a list, for example `` `a`, `b`, `c`, `d` and 20 more``.
@@ -8,7 +8,7 @@ pub(crate) fn list<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> String 
     listed(names.map(|name| format!("`{name}`")))
 }
 
-/// The first entries as a list, with the number of the omitted entries.
+/// The first entries as a list. The number of the other entries follows.
 pub(crate) fn listed(entries: impl ExactSizeIterator<Item = String>) -> String {
     let count = entries.len();
     let shown: Vec<String> = entries.take(LISTED).collect();
@@ -62,7 +62,7 @@ pub(crate) fn telling<const N: usize>(numbers: [f64; N], is_true: impl Fn([f64; 
     numbers.map(|x| digits(x, count))
 }
 
-/// Number of digits that distinguish any two numbers of the type `f64`.
+/// Number of significant digits that distinguish any two numbers of the type `f64`.
 const MOST_DIGITS: usize = 17;
 
 fn digits(x: f64, count: usize) -> String {

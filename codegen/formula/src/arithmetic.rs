@@ -9,7 +9,7 @@ impl Formula {
     /// The number 1.
     pub const ONE: Self = Self::Number(1.0);
 
-    /// The number; `None` if the formula is not a number.
+    /// Value of a formula that is a number; `None` for all other formulas.
     pub fn as_number(&self) -> Option<f64> {
         match self {
             Self::Number(value) => Some(*value),
@@ -24,7 +24,7 @@ impl Formula {
 
     /// Evaluates the formula.
     ///
-    /// - `parameters`: values in the order of `Model::parameters`; an index beyond them gives NaN
+    /// - `parameters`: values in the order of `Model::parameters`; a parameter without a value is NaN
     /// - `position`, `velocity`: position and velocity of the joint with the force law
     pub fn evaluate(&self, parameters: &[f64], position: f64, velocity: f64) -> f64 {
         let value = |part: &Self| part.evaluate(parameters, position, velocity);
@@ -54,7 +54,7 @@ impl Formula {
         (!self.any(&is_open)).then(|| self.evaluate(parameters, f64::NAN, f64::NAN))
     }
 
-    /// Whether `test` is true for a node of the formula.
+    /// Whether `test` is true for any operation, number or name in the formula.
     pub fn any(&self, test: &dyn Fn(&Self) -> bool) -> bool {
         test(self)
             || match self {
@@ -133,7 +133,7 @@ impl Formula {
         }
     }
 
-    /// The negation `-a`.
+    /// The negation `-a`. A number is negated, and `-(-a)` becomes `a`.
     pub fn negation(a: Self) -> Self {
         match a {
             Self::Number(value) => Self::Number(0.0 - value),
@@ -142,7 +142,7 @@ impl Formula {
         }
     }
 
-    /// The power `aⁿ`.
+    /// The power `aⁿ` with n ≥ 0. Powers of numbers are evaluated, and the exponents 0 and 1 are simplified.
     pub fn power(a: Self, exponent: u32) -> Self {
         match (a, exponent) {
             (_, 0) => Self::ONE,
@@ -196,7 +196,7 @@ impl Formula {
         })
     }
 
-    /// The function value `f(a)`.
+    /// The function value `f(a)`, for example `sin(a)`.
     pub fn call(function: Function, a: Self) -> Self {
         match a {
             Self::Number(value) => Self::Number(function.evaluate(value)),

@@ -2,7 +2,8 @@
 
 use super::formula::Formula;
 
-/// Precedence of the outermost operator, which decides about brackets.
+/// Precedence of a formula's outermost operator. It decides whether the formula needs brackets inside another
+/// one.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binding {
     Sum,
@@ -24,6 +25,8 @@ impl Formula {
         self.bound(parameters, ["l", "dl"]).0
     }
 
+    /// Returns the formula's text and the precedence of its outermost operator.
+    ///
     /// - `motion`: names of position and velocity
     fn bound(&self, parameters: &[&str], motion: [&str; 2]) -> (String, Binding) {
         use Binding::{Atom, Product, Sign, Sum};

@@ -19,7 +19,7 @@ impl Formula {
         })
     }
 
-    /// The formula at velocity 0.
+    /// The formula with the velocity replaced by 0.
     fn at_standstill(&self) -> Self {
         self.substituted(&|part| (*part == Self::Velocity).then_some(Self::ZERO))
     }

@@ -6,9 +6,9 @@ use std::ops::Range;
 /// Error for a text that is not a formula.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FormulaError {
-    /// Code of the error, for programs.
+    /// Short name of the kind of error, for example `formula-syntax`, for programs.
     pub code: &'static str,
-    /// Message of the error.
+    /// Message of the error, for users.
     pub message: String,
     /// Suggested correction; `None` if there is no suggestion.
     pub help: Option<String>,

@@ -8,30 +8,30 @@ use std::ops::Range;
 /// Each operand has the kind that its operation requires: a number or a truth value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expression {
-    /// The outermost operation.
+    /// The outermost operation, with its operands.
     pub node: Node,
-    /// Position in the text, in bytes.
+    /// Position of the expression in the text, in bytes.
     pub range: Range<usize>,
 }
 
 /// One operation of an expression.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Node {
-    /// A finite number.
+    /// A finite number as operand.
     Number(f64),
-    /// `true` or `false`.
+    /// The truth value `true` or `false`.
     Truth(bool),
     /// A name: a parameter, a channel of a log, position or velocity, or `pi`.
     Name(String),
-    /// An operation on one operand.
+    /// An operation on one operand, for example `-a`.
     Unary(Unary, Box<Expression>),
-    /// An operation on two operands.
+    /// An operation on two operands, for example `a + b`.
     Binary(Operator, Box<[Expression; 2]>),
     /// The power `pow(a, n)`.
     Power(Box<Expression>, u32),
 }
 
-/// Operations on one operand.
+/// Operations on one operand, for example `-a`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unary {
     /// `-a`
@@ -40,11 +40,11 @@ pub enum Unary {
     Not,
     /// `ln(a)`
     Logarithm,
-    /// `f(a)`
+    /// `f(a)` with an elementary function `f`, for example `sin(a)`
     Call(Function),
 }
 
-/// Operations on two operands.
+/// Operations on two operands, for example `a + b`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Operator {
     /// `a + b`
@@ -80,9 +80,9 @@ pub enum Operator {
 /// Whether an expression yields a number or a truth value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// Number.
+    /// The expression yields a number.
     Number,
-    /// Truth value: true or false.
+    /// The expression yields a truth value: true or false.
     Truth,
 }
 
@@ -99,14 +99,14 @@ impl Expression {
 }
 
 impl Unary {
-    /// Kind of the operand, which is also the kind of the value.
+    /// Kind of the operand and of the value: a truth value for `!a`, otherwise a number.
     pub fn kind(self) -> Kind {
         if self == Self::Not { Kind::Truth } else { Kind::Number }
     }
 }
 
 impl Operator {
-    /// Kind of the value.
+    /// Kind of the value: a number for arithmetic, a truth value for comparisons, `&&` and `||`.
     pub fn kind(self) -> Kind {
         match self {
             Self::Add | Self::Subtract | Self::Multiply | Self::Divide | Self::Min | Self::Max => {
@@ -116,7 +116,7 @@ impl Operator {
         }
     }
 
-    /// Kind of the operands.
+    /// Kind of the operands: truth values for `&&` and `||`, otherwise numbers.
     pub fn operands(self) -> Kind {
         if matches!(self, Self::And | Self::Or) { Kind::Truth } else { Kind::Number }
     }

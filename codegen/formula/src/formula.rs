@@ -5,7 +5,7 @@ use super::function::Function;
 /// Largest magnitude of a number in a description. Products of ten such numbers do not overflow.
 pub const LARGEST_NUMBER: f64 = 1e30;
 
-/// Message for a number that exceeds [`LARGEST_NUMBER`].
+/// Message for the number `what`, whose magnitude exceeds [`LARGEST_NUMBER`].
 pub fn too_large(what: &str) -> String {
     format!("{what} exceeds the largest number {LARGEST_NUMBER:e}; the equations would overflow")
 }
@@ -18,9 +18,9 @@ pub fn too_large(what: &str) -> String {
 /// differentiates them.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Formula {
-    /// A finite number.
+    /// A finite number as constant.
     Number(f64),
-    /// A free parameter: index into `Model::parameters`.
+    /// A free parameter of the robot, as an index into `Model::parameters`.
     Parameter(usize),
     /// The position `y` of the joint that carries the force law (rad or m).
     Position,
@@ -38,6 +38,6 @@ pub enum Formula {
     Divide(Box<Formula>, Box<Formula>),
     /// `a.powi(n)` with n ≥ 0
     Power(Box<Formula>, u32),
-    /// `f(a)`
+    /// `f(a)` with an elementary function `f`, for example `sin(a)`
     Call(Function, Box<Formula>),
 }

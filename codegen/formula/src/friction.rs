@@ -8,7 +8,8 @@ use std::fmt::Display;
 /// One term of a friction law: a coefficient times a basis function.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionTerm<C = Formula> {
-    /// Coefficient. If it is a formula, it depends only on parameters.
+    /// Coefficient of the term, for example F_c in `F_c sign(v)`. If it is a formula, it depends only on
+    /// parameters.
     pub coefficient: C,
     /// Basis function of the joint's velocity `v`. It may also depend on the joint's position `y`.
     pub basis: Formula,
@@ -37,16 +38,16 @@ pub enum FrictionPart<C = Formula> {
     Viscous(C),
     /// `coulomb`: Coulomb friction `F_c sign(v)`, or `F_c tanh(s v)` with a slope s, at the velocity v.
     Coulomb {
-        /// Coulomb friction F_c [N m or N].
+        /// Coulomb friction F_c (N m or N).
         level: C,
         /// Positive slope s of `tanh(s v)`; `None` for `sign(v)`.
         slope: Option<f64>,
     },
     /// `coulomb`: Coulomb friction with different values for the two directions.
     Asymmetric {
-        /// Friction T₊ at positive velocity [N m or N].
+        /// Friction T₊ at positive velocity (N m or N).
         positive: C,
-        /// Friction T₋ at negative velocity [N m or N], which is negative or 0.
+        /// Friction T₋ at negative velocity (N m or N), which is negative or 0.
         negative: C,
         /// Positive slope s of `tanh(s v)`; `None` for `sign(v)`.
         slope: Option<f64>,
@@ -54,17 +55,17 @@ pub enum FrictionPart<C = Formula> {
     /// `stribeck`: the law [`FrictionPart::STRIBECK`] with coefficients a1 … a5. Coulomb friction is a2,
     /// static friction is a2 + a4, the Stribeck speed is 1/a5, and the coefficient of viscous friction is a1.
     Stribeck([C; 5]),
-    /// `terms`: a sum of terms.
+    /// `terms`: a sum of terms, each a coefficient times a function of the joint's velocity and position.
     Terms(Vec<FrictionTerm<C>>),
 }
 
 impl FrictionTerm {
-    /// The term `coefficient · v`.
+    /// The viscous term `coefficient · v` with the joint's velocity `v`.
     pub fn viscous(coefficient: Formula) -> Self {
         Self { coefficient, basis: Formula::Velocity }
     }
 
-    /// The term `coefficient · sign(v)`.
+    /// The Coulomb term `coefficient · sign(v)` with the joint's velocity `v`.
     pub fn coulomb(coefficient: Formula) -> Self {
         Self { coefficient, basis: direction(None) }
     }
@@ -77,7 +78,8 @@ impl<C> FrictionTerm<C> {
     }
 }
 
-/// Limit of a law as the velocity goes to zero. `direction` is the sign of the velocity.
+/// Limit of a friction law as the velocity goes to zero from one side. `direction` is the sign of the
+/// velocity.
 fn beside_rest(law: &Formula, direction: f64) -> Formula {
     law.substituted(&|part| match part {
         Formula::Velocity => Some(Formula::ZERO),
@@ -90,7 +92,7 @@ fn beside_rest(law: &Formula, direction: f64) -> Formula {
 }
 
 impl FrictionPart {
-    /// The keys of the coefficients of the Stribeck law.
+    /// Keys of the coefficients a1 … a5 of the Stribeck friction law in descriptions.
     pub const STRIBECK_KEYS: [&str; 5] = ["a1", "a2", "a3", "a4", "a5"];
     /// The Stribeck law: friction τ as a function of the velocity v, with coefficients a1 … a5.
     pub const STRIBECK: &str = "τ = a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)";

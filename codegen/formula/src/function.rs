@@ -26,7 +26,7 @@ impl Function {
     pub const ALL: [Self; 7] =
         [Self::Sin, Self::Cos, Self::Tanh, Self::Exp, Self::Abs, Self::Sign, Self::Sqrt];
 
-    /// The name in formulas.
+    /// The function's name in formulas, for example `sin`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Sin => "sin",

@@ -7,14 +7,14 @@ const UNIT: &str = "formula-unit";
 const COMMA: &str = "formula-comma";
 
 impl FormulaError {
-    /// Whether the text is a number with a unit or with a decimal comma.
+    /// Whether the error is about a number with a unit or a decimal comma.
     pub fn is_habit(&self) -> bool {
         [UNIT, COMMA].contains(&self.code)
     }
 }
 
-/// Each row has a unit as written by [`spelled`], its value in the unit of descriptions, and the unit of
-/// descriptions.
+/// Each row has a unit in the spelling of [`spelled`], its value in the unit of descriptions, and the name of
+/// that unit.
 const UNITS: [(&str, &str, &str); 28] = [
     ("kg", "1", "kg"),
     ("g", "1e-3", "kg"),

@@ -5,7 +5,7 @@
 pub struct Hold {
     /// Name pattern, in which `*` matches any text.
     pub pattern: String,
-    /// Position (rad or m).
+    /// Position at which the joints are held (rad or m).
     pub position: f64,
 }
 
@@ -31,7 +31,7 @@ impl Hold {
         parts.all(|part| rest.split_once(part).map(|(_, after)| rest = after).is_some())
     }
 
-    /// Text in the form that [`Self::parse`] reads.
+    /// The pattern with its position, in the form `PATTERN=VALUE` that [`Self::parse`] reads.
     #[must_use]
     pub fn text(&self) -> String {
         match self.position {

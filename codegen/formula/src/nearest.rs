@@ -1,7 +1,7 @@
 //! Suggestions for unknown names.
 
-/// `PART` is the least number of letters of a name that is searched within other names. `MOST` is the largest
-/// number of suggested names that contain it.
+/// Least number of letters of an unknown name for which known names that contain it are suggested. `MOST` is
+/// the largest number of these suggestions.
 const PART: usize = 3;
 const MOST: usize = 4;
 

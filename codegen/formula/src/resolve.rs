@@ -14,7 +14,7 @@ use std::ops::Range;
 pub enum Allowed {
     /// Numbers and `pi`.
     Constants,
-    /// Constants and parameters.
+    /// Parameters and constants, but no position or velocity.
     Parameters,
     /// Parameters and the joint's velocity `v`.
     Velocity,
@@ -25,7 +25,7 @@ pub enum Allowed {
 }
 
 impl Allowed {
-    /// The name of the position.
+    /// The name of the position in the formula, `y` or `l`; `None` if the formula may not contain it.
     fn position(self) -> Option<&'static str> {
         match self {
             Self::Constants | Self::Parameters | Self::Velocity => None,
@@ -34,7 +34,7 @@ impl Allowed {
         }
     }
 
-    /// The name of the velocity.
+    /// The name of the velocity in the formula, `v` or `dl`; `None` if the formula may not contain it.
     fn velocity(self) -> Option<&'static str> {
         match self {
             Self::Constants | Self::Parameters => None,
@@ -128,7 +128,7 @@ impl Scope<'_> {
         }
     }
 
-    /// Names of velocity and position.
+    /// Names of velocity and position that the formula may contain.
     fn own(&self) -> impl Iterator<Item = &'static str> + use<> {
         [self.allowed.velocity(), self.allowed.position()].into_iter().flatten()
     }

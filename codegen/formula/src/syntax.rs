@@ -12,17 +12,18 @@ use std::ops::Range;
 use syn::spanned::Spanned;
 use syn::{BinOp, Expr, Ident, UnOp};
 
-/// Longest text in bytes.
+/// Length of the longest accepted text, in bytes.
 const LONGEST: usize = 1000;
-/// Deepest nesting of brackets.
+/// Deepest accepted nesting of brackets.
 const DEEPEST: usize = 24;
 /// Largest number of consecutive operators without an operand between them.
 const OPERATORS: usize = 4;
-/// Largest number of operators. A sum of n terms is nested n deep.
+/// Largest accepted number of operators. It limits the depth of the tree, because a sum of n terms is nested
+/// n deep.
 const MOST_OPERATORS: usize = 200;
-/// Largest exponent.
+/// Largest accepted exponent of a power.
 const LARGEST_EXPONENT: u32 = 16;
-/// Characters of operators.
+/// Characters that form operators.
 const SIGNS: [char; 10] = ['+', '-', '*', '/', '<', '>', '=', '!', '&', '|'];
 
 type Parsed<T = Expression> = Result<T, FormulaError>;
@@ -90,7 +91,7 @@ fn check_text(text: &str) -> Parsed<()> {
     Ok(())
 }
 
-/// Rejects `^`, and single `|` and `&`.
+/// Rejects `^`, and single `|` and `&`, with an error that names the correct spelling.
 fn check_sign(text: &str, range: Range<usize>) -> Parsed<()> {
     let sign = &text[range.clone()];
     let is_pair = text[range.end..].starts_with(sign) || text[..range.start].ends_with(sign);
@@ -172,7 +173,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads an operand. It is an error if the operand is not of this kind.
+    /// Reads an operand, and returns an error if the operand's kind (number or truth value) is not `kind`.
     fn operand(&self, kind: Kind, tree: &Expr) -> Parsed {
         let operand = self.expression(tree)?;
         if operand.kind() == kind {

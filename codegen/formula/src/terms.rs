@@ -33,7 +33,7 @@ fn collect_summands(formula: Formula, negative: bool, into: &mut Vec<(bool, Form
     }
 }
 
-/// Coefficient and basis of one summand.
+/// Splits one summand into its coefficient and its basis function.
 fn split(formula: Formula) -> (Formula, Formula) {
     match formula {
         constant if !constant.depends_on_motion() => (constant, Formula::ONE),

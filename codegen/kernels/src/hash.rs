@@ -1,6 +1,6 @@
 //! Hashes that are the same on every platform.
 
-/// The hash FNV-1a with 64 bits (Fowler, Noll and Vo 1991).
+/// Hash of bytes by the method FNV-1a with 64 bits (Fowler, Noll and Vo 1991).
 pub fn fnv1a(bytes: impl Iterator<Item = u8>) -> u64 {
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)

@@ -205,8 +205,8 @@ impl Builder<'_, '_> {
         }
     }
 
-    /// Returns the terms of the load-dependent friction. Reports an error if joints or drives are coupled, or if
-    /// the joint has no drive.
+    /// Returns the terms of a joint's load-dependent friction. Reports an error if joints or drives are
+    /// coupled, or if the joint has no drive.
     fn load_friction(&mut self, joint: &JointDescription, motion: Motion) -> Vec<FrictionTerm> {
         let Some(load) = joint.friction.as_ref().and_then(|friction| friction.value.load.as_ref()) else {
             return Vec::new();

@@ -107,8 +107,8 @@ fn fixed(joint: &JointDescription, report: &mut Report) {
     report.help("remove this entry, or give the joint a type that moves");
 }
 
-/// Notes limits of a fixed joint. They are not an error, because a second file may fix a joint of a
-/// description that limits it.
+/// Adds a note about limits of a fixed joint. They are not an error, because a second file may fix a joint of
+/// a description that limits it.
 fn note_limits_of_fixed(joint: &JointDescription, report: &mut Report) {
     let limits = &joint.limits;
     let amounts = limits.amounts().into_iter().filter_map(|(_, limit)| limit.as_ref());

@@ -1,5 +1,5 @@
-//! Couplings: joints that follow other joints, and drives that act on several joints. Each position is a row
-//! of `G y + g₀`, with the coordinates y, ratios G and offsets g₀.
+//! Couplings: joints that follow other joints, and drives that act on several joints. Their positions are
+//! `G y + g₀` with the coordinates y, ratios G and offsets g₀.
 
 use super::tree::Tree;
 use crate::description::{FollowsDescription, Name, RobotDescription};
@@ -9,36 +9,39 @@ use crate::wording::{as_written, list};
 use gelenk_formula::{Formula, Function};
 use std::collections::BTreeMap;
 
-/// A row of G with its offset in g₀.
+/// Position of a joint or drive as a weighted sum of coordinates plus an offset.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Row {
     pub(super) terms: Vec<FollowedCoordinate>,
     pub(super) offset: f64,
 }
 
-/// A ratio to a coordinate counts as 0 up to this magnitude, relative to the sum of the magnitudes of the
+/// A ratio to a coordinate counts as 0 if it is at most this fraction of the sum of the magnitudes of the
 /// added products.
 const CANCELLED: f64 = 1e-12;
 const ADDED_UP: &str = "ratios are multiplied along each path of followed joints, and the paths are added";
 
-/// The row of a follower or drive, and the coordinates whose ratios add up to 0.
+/// The weighted sum of a joint or drive over coordinates, and the coordinates whose ratios add up to 0.
 struct Combined {
     row: Row,
     cancelled: Vec<usize>,
 }
 
-/// Rows of all joints and of the drives under `[[drives]]`, in the order of the description.
+/// Positions of all joints and of the drives in `[[drives]]` as weighted sums of coordinates, in the order of
+/// the description.
 pub(super) struct Couplings {
-    /// Rows of the joints. A row is `None` if the joint is fixed or its entry has an error.
+    /// Position of each joint as a weighted sum of coordinates. It is `None` if the joint is fixed or its
+    /// entry has an error.
     joints: Vec<Option<Row>>,
-    /// Rows of the drives under `[[drives]]`. A row is `None` if the drive's entry has an error.
+    /// Angle of each drive in `[[drives]]` as a weighted sum of coordinates. It is `None` if the drive's
+    /// entry has an error.
     pub(super) drives: Vec<Option<Row>>,
     followers: Vec<usize>,
 }
 
 impl Couplings {
-    /// Expresses the motions of joints and drives in coordinates, along chains of followers. Reports cycles
-    /// and wrong ratios.
+    /// Expresses the positions of joints and drives in coordinates, also if a followed joint follows other
+    /// joints itself. Reports cycles and wrong ratios.
     ///
     /// - `coordinates`: links of the coordinates
     pub(super) fn resolve(
@@ -88,7 +91,7 @@ impl Couplings {
         Self { joints, drives, followers }
     }
 
-    /// The followers for the model, in the order of the description.
+    /// The joints of the model that follow coordinates, in the order of the description.
     pub(super) fn followers(&self, tree: &Tree) -> Vec<Follower> {
         let follower = |&joint: &usize| {
             let row = self.joints[joint].clone()?;
@@ -122,13 +125,13 @@ struct Resolver<'d, 'r> {
     defaults: &'d [f64],
     report: &'r mut Report,
     rows: Vec<Progress>,
-    /// Names of the coordinates.
+    /// Names of the coordinates, for messages.
     names: Vec<&'d str>,
 }
 
 impl Resolver<'_, '_> {
-    /// Resolves the row of a joint. A chain of followers may be as long as the description, so a stack
-    /// replaces recursion.
+    /// Expresses the position of a joint in coordinates. The chain of joints that follow each other may be as
+    /// long as the description, so a stack replaces recursion.
     fn joint(&mut self, start: usize) {
         let mut stack = vec![start];
         while let Some(&joint) = stack.last() {
@@ -154,7 +157,7 @@ impl Resolver<'_, '_> {
         }
     }
 
-    /// The first joint that `joint` follows and whose row is not resolved.
+    /// The first joint that `joint` follows and whose position is not yet expressed in coordinates.
     fn open_targets(&self, joint: usize) -> Option<usize> {
         let follows = self.robot.joints[joint].follows.iter().flat_map(|follows| &follows.value);
         let mut targets = follows.filter_map(|term| self.find(&term.joint));
@@ -188,7 +191,8 @@ impl Resolver<'_, '_> {
         self.report.help("remove `follows` or `<mimic>` of one joint, so that it is a coordinate");
     }
 
-    /// Returns the row unless all its ratios cancelled. Reports the coordinates whose ratios add up to 0.
+    /// Returns the weighted sum of a joint or drive unless all its ratios cancelled. Reports the coordinates
+    /// whose ratios add up to 0.
     fn moving(
         &mut self,
         name: &Name,
@@ -218,7 +222,8 @@ impl Resolver<'_, '_> {
         (!row.terms.is_empty()).then_some(row)
     }
 
-    /// The sum `Σ ratio · row` over the followed joints, with the coordinates whose ratios cancel.
+    /// The sum of the followed joints' weighted sums, each multiplied by its ratio, with the coordinates
+    /// whose ratios cancel.
     fn combined(&mut self, follows: &[FollowsDescription]) -> Option<Combined> {
         let mut row = Row::default();
         let mut sizes = vec![0.0_f64; self.names.len()];
@@ -245,7 +250,7 @@ impl Resolver<'_, '_> {
         is_known.then_some(Combined { row, cancelled })
     }
 
-    /// The product `ratio · row` for one followed joint.
+    /// The weighted sum of one followed joint, multiplied by the ratio.
     fn scaled(&mut self, term: &FollowsDescription) -> Option<Row> {
         let row = self.target(&term.joint)?;
         let (ratio, value) = (&term.ratio.value, term.ratio.value.evaluate(self.defaults, 0.0, 0.0));
@@ -271,7 +276,7 @@ impl Resolver<'_, '_> {
         Some(Row { terms: terms.collect(), offset: value * row.offset })
     }
 
-    /// The row of a joint, by the joint's name.
+    /// The weighted sum of coordinates for the joint with this name.
     fn target(&mut self, name: &Name) -> Option<Row> {
         let Some(index) = self.find(name) else {
             self.report.error(name.span, "unknown-joint", format!("unknown joint `{}`", name.value));
@@ -310,8 +315,8 @@ fn add(sum: &mut Row, row: Row) {
     }
 }
 
-/// Notes dry friction of a follower or drive with several coordinates. The runtime's plant lets only single
-/// joints stick, so it rejects the robot.
+/// Adds a note about dry friction of a joint or drive that follows several coordinates. The runtime's plant
+/// lets only single joints stick, so it rejects the robot.
 fn note_dry_friction(
     what: &str,
     verb: &str,

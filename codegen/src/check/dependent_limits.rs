@@ -1,4 +1,4 @@
-//! Checks the limits of followers against the limits of the joints that they follow.
+//! Checks the limits of joints that follow others against the limits of the followed joints.
 
 use super::tree::Tree;
 use crate::description::{JointDescription, LimitsDescription, RobotDescription};
@@ -6,24 +6,25 @@ use crate::diagnostic::Report;
 use crate::model::Follower;
 use crate::wording::{as_written, list, three_digits};
 
-/// Relative tolerance for the rounding error of a quotient of two described numbers.
+/// Relative tolerance for the rounding error of a quotient of two numbers in the description.
 const ROUNDING: f64 = 1e-12;
 
-/// A robot whose followers are checked.
+/// A robot whose joints that follow other joints are checked.
 pub(super) struct Limited<'d> {
     pub(super) robot: &'d RobotDescription,
     pub(super) tree: &'d Tree,
-    /// Links of the coordinates, then links of the driven joints.
+    /// Indices of the links of the coordinates, then of the links of driven joints (with prescribed motion).
     pub(super) coordinates: &'d [usize],
-    /// Number of driven joints.
+    /// Number of driven joints, whose motion is prescribed.
     pub(super) driven: usize,
     /// Values of the free parameters in the description.
     pub(super) defaults: &'d [f64],
 }
 
 impl<'d> Limited<'d> {
-    /// Reports an error if no position satisfies the limits of a follower. Adds notes and warnings about
-    /// limits that a follower can exceed, and names the parts of the runtime that enforce these limits.
+    /// Reports an error if no position satisfies the limits of a joint that follows others. Adds notes and
+    /// warnings about limits that such a joint can exceed, and names the parts of the runtime that enforce
+    /// these limits.
     pub(super) fn check(&self, followers: &[Follower], report: &mut Report) {
         for follower in followers {
             let joint = self.joint(follower.link);
@@ -39,13 +40,13 @@ impl<'d> Limited<'d> {
         note_efforts(&joints, report);
     }
 
-    /// The joint that carries a moving link.
+    /// The joint of the description that carries a moving link.
     fn joint(&self, link: usize) -> &'d JointDescription {
         let joint = self.tree.joints[link];
         &self.robot.joints[joint.unwrap_or_else(|| unreachable!("what moves has a joint"))]
     }
 
-    /// Returns each ratio of a follower with the limits of the followed joint.
+    /// Returns each ratio of a joint to a followed joint, with the limits of the followed joint.
     fn terms(&self, follower: &Follower) -> impl Iterator<Item = (f64, &'d LimitsDescription)> {
         follower.follows.iter().map(|term| {
             let followed = self.joint(self.coordinates[term.coordinate]);
@@ -53,8 +54,8 @@ impl<'d> Limited<'d> {
         })
     }
 
-    /// Reports an error if a follower is outside its position limits for all positions of the followed joints
-    /// within their limits.
+    /// Reports an error if a joint that follows others exceeds its position limits for all allowed positions
+    /// of the followed joints.
     fn check_positions(&self, joint: &JointDescription, follower: &Follower, report: &mut Report) {
         let Some(limits) = &joint.limits.position else { return };
         let mut reach = [follower.offset; 2];
@@ -86,7 +87,8 @@ impl<'d> Limited<'d> {
         }
     }
 
-    /// Adds a help that names the parts of the runtime that enforce the limits of the follower.
+    /// Adds a help text that names the parts of the runtime that enforce the limits of a joint that follows
+    /// others.
     fn say_who_keeps(&self, follower: &Follower, report: &mut Report) {
         let driven = self.coordinates.len() - self.driven;
         report.help(match &follower.follows[..] {
@@ -105,8 +107,8 @@ impl<'d> Limited<'d> {
         });
     }
 
-    /// Warns of limits that no controller keeps. If a ratio is a free parameter, the module does not contain
-    /// the follower's limits.
+    /// Warns of limits that no controller enforces. If a ratio is a free parameter, the module does not
+    /// contain the limits of the joint with this ratio.
     fn warn_of_free_ratios(&self, followers: &[Follower], report: &mut Report) {
         let has_limits =
             |joint: &&JointDescription| joint.limits.position.is_some() || joint.limits.velocity.is_some();
@@ -162,8 +164,8 @@ impl<'d> Limited<'d> {
         report.help("no position satisfies all limits: correct the limits, the ratios or the `offset`");
     }
 
-    /// Positions of a coordinate for which a follower is within its limits; `None` if the follower also
-    /// follows other coordinates.
+    /// Positions of a coordinate for which a joint that follows it is within its limits; `None` if the joint
+    /// also follows other coordinates.
     fn allowed(&self, coordinate: usize, follower: &Follower) -> Option<[f64; 2]> {
         let [low, high] = self.joint(follower.link).limits.position.as_ref()?.value;
         let [only] = &follower.follows[..] else { return None };
@@ -175,7 +177,8 @@ impl<'d> Limited<'d> {
         Some([ends[0].min(ends[1]), ends[0].max(ends[1])])
     }
 
-    /// Notes a follower that can exceed its speed limit while the followed joints are within their limits.
+    /// Adds a note about a joint that can exceed its speed limit while the joints that it follows are within
+    /// their limits.
     fn note_speed(&self, joint: &JointDescription, follower: &Follower, report: &mut Report) {
         let Some(limit) = &joint.limits.velocity else { return };
         let fastest = self.terms(follower).map(|(ratio, followed)| {
@@ -193,12 +196,12 @@ impl<'d> Limited<'d> {
     }
 }
 
-/// Whether a ratio of the follower depends on free parameters.
+/// Whether a ratio of a joint to the coordinates that it follows depends on free parameters.
 fn is_free(follower: &Follower) -> bool {
     follower.follows.iter().any(|term| term.ratio.value(&[]).is_none())
 }
 
-/// Notes that effort limits of followers have no effect.
+/// Adds a note that effort limits of joints that follow others have no effect.
 fn note_efforts(followers: &[&JointDescription], report: &mut Report) {
     let limited: Vec<_> = followers.iter().filter(|joint| joint.limits.effort.is_some()).collect();
     let Some(first) = limited.first().and_then(|joint| joint.limits.effort.as_ref()) else { return };

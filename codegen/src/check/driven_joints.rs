@@ -8,8 +8,8 @@ use crate::model::{Joint, Link, Motion};
 
 const CODE: &str = "driven-joint";
 
-/// Reports keys that a driven joint must not have, and joints and friction that a robot with driven joints
-/// must not have.
+/// Reports keys that a driven joint (with a prescribed motion) must not have. Also reports joints and
+/// friction that a robot with driven joints must not have.
 pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
     for joint in &robot.joints {
         // A joint with several velocities is reported once.
@@ -90,14 +90,15 @@ fn check_drive(joint: &JointDescription, report: &mut Report) {
     }
 }
 
-/// Indices of the links that driven joints carry, in the order of the tree.
+/// Indices of the links that driven joints (with a prescribed motion) carry, in the order of the tree.
 pub(super) fn links(robot: &RobotDescription, tree: &Tree) -> Vec<usize> {
     let joints = tree.joints.iter().enumerate();
     let driven = joints.filter(|(_, joint)| joint.is_some_and(|joint| robot.joints[joint].is_driven()));
     driven.map(|(link, _)| link).collect()
 }
 
-/// Reports a drive under `[[drives]]` that acts only on driven joints. Its input would have no effect.
+/// Reports a drive in `[[drives]]` that acts only on joints with prescribed motion. Its input would have no
+/// effect.
 pub(super) fn check_shared_drive(
     robot: &RobotDescription,
     tree: &Tree,

@@ -40,7 +40,8 @@ impl Builder<'_, '_> {
     /// Returns all drives of the model in this order:
     ///
     /// 1. drives of joints, in the order of their coordinates
-    /// 2. drives under `[[drives]]`, in the order of the description, but those that act only on held joints last
+    /// 2. drives in `[[drives]]`, in the order of the description, but those that act only on held joints
+    ///    last
     /// 3. motors of held joints
     pub(super) fn drives(&mut self, links: &[Link], couplings: &Couplings) -> Vec<Drive> {
         let mut drives: Vec<Drive> =
@@ -55,7 +56,7 @@ impl Builder<'_, '_> {
         drives
     }
 
-    /// The drive of an entry of `[[drives]]`.
+    /// The model's drive for an entry of `[[drives]]`.
     fn shared_drive(&mut self, index: usize, links: &[Link], couplings: &Couplings) -> Option<Drive> {
         let described = &self.robot.drives[index];
         let row = couplings.drives.get(index)?.as_ref()?;

@@ -12,22 +12,22 @@ use crate::numeric;
 use crate::wording::three_digits;
 use gelenk_formula::Formula;
 
-/// Largest speed of the grid if the joint has no speed limit [rad/s or m/s].
+/// Largest speed at which force laws are tested if the joint has no speed limit (rad/s or m/s).
 const SPEED: f64 = 10.0;
-/// Largest motor speed of the grid if the joint has no speed limit [rad/s].
+/// Largest motor speed at which friction is tested if the joint has no speed limit (rad/s).
 const MOTOR_SPEED: f64 = 1000.0;
-/// Number of speeds in each direction. Neighbouring speeds have a constant ratio, because force laws are steep
-/// near standstill.
+/// Number of tested speeds in each direction. Neighbouring speeds have a constant ratio, because force laws
+/// are steep near standstill.
 const SPEEDS: i32 = 61;
-/// Ratio of neighbouring speeds, 10^(−1/15). The smallest speed is 1e-4 of the largest.
+/// Ratio of neighbouring tested speeds, 10^(−1/15). The smallest speed is 1e-4 of the largest.
 const FACTOR: f64 = 0.857_695_898_590_894_1;
-/// Number of positions, both limits included.
+/// Number of tested positions, both limits included.
 const POSITIONS: i32 = 21;
 /// Friction below this fraction of the largest friction counts as a rounding error.
 const ROUNDING: f64 = 1e-9;
 
-/// Reports springs and friction of a joint whose value is not finite, friction that accelerates the joint,
-/// and load-dependent friction that is not smaller than the load.
+/// Reports springs and friction of a joint whose value is not finite. Also reports friction that accelerates
+/// the joint, and load-dependent friction that is not smaller than the load.
 pub(super) fn check(joint: &JointDescription, defaults: &[f64], report: &mut Report) {
     let grid = Grid::of_joint(joint);
     if let Some(springs) = &joint.springs {
@@ -53,7 +53,7 @@ pub(super) fn check(joint: &JointDescription, defaults: &[f64], report: &mut Rep
 
 /// Reports shaft friction of a drive if its value is not finite or it accelerates the shaft.
 ///
-/// - `speed`: motor speed at the speed limit of the joint [rad/s]; `None` without this limit
+/// - `speed`: motor speed at the speed limit of the joint (rad/s); `None` without this limit
 pub(super) fn check_shaft(
     drive: &str,
     friction: &At<Vec<FrictionTerm>>,
@@ -77,8 +77,8 @@ pub(super) fn check_shaft(
 /// Name of the load-dependent friction in messages.
 const OF_THE_LOAD: &str = "load-dependent friction";
 
-/// Whether the magnitude of the load-dependent friction s₁ is below 1. If limits keep the joint within the
-/// grid, the values on the grid decide. Otherwise bounds of the formula decide in addition.
+/// Whether the load-dependent friction is smaller than the load. If limits keep the joint within the tested
+/// range, the tested values decide. Otherwise bounds of the formula decide in addition.
 fn is_below_one(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) -> bool {
     let positions = grid.positions();
     let velocities = [0.0].into_iter().chain(grid.velocities());
@@ -172,12 +172,12 @@ fn brakes(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) {
     }
 }
 
-/// A position where friction brakes at every speed.
+/// A tested position at which friction brakes at every speed.
 fn braked(law: &Law<'_>, grid: &Grid) -> Option<f64> {
     by_sign(law, grid, 1.0)
 }
 
-/// A position where friction accelerates the joint at every speed.
+/// A tested position at which friction accelerates the joint at every speed.
 fn driving(law: &Law<'_>, grid: &Grid) -> Option<f64> {
     by_sign(law, grid, -1.0)
 }
@@ -188,7 +188,7 @@ fn by_sign(law: &Law<'_>, grid: &Grid, sign: f64) -> Option<f64> {
     grid.positions().into_iter().filter(has_sign).min_by(|a, b| a.abs().total_cmp(&b.abs()))
 }
 
-/// The velocities of the grid. The flag of a velocity is set if friction accelerates the joint at a position.
+/// The tested velocities. The flag of a velocity is set if friction accelerates the joint at some position.
 fn driven(law: &Law<'_>, grid: &Grid) -> Vec<(f64, bool)> {
     let positions = grid.positions();
     let velocities: Vec<f64> = grid.velocities().collect();
@@ -199,7 +199,7 @@ fn driven(law: &Law<'_>, grid: &Grid) -> Vec<(f64, bool)> {
     velocities.iter().map(|v| (*v, drives(*v))).collect()
 }
 
-/// A force as a sum of products of a coefficient and a function of the motion.
+/// A force law as a sum of products of a coefficient and a function of the motion.
 struct Law<'a> {
     what: &'static str,
     summands: Vec<(&'a Formula, &'a Formula)>,
@@ -235,14 +235,14 @@ impl<'a> Law<'a> {
 
 /// Positions and velocities at which the laws of a joint or shaft are evaluated.
 struct Grid {
-    /// Kind and name of the joint or shaft.
+    /// Kind and name of the joint or shaft, for messages.
     owner: String,
     unit: &'static str,
-    /// Largest position if there are no position limits.
+    /// Largest tested position if there are no position limits.
     widest: f64,
-    /// Limits of the position.
+    /// Limits of the joint's position; `None` without limits.
     position: Option<[f64; 2]>,
-    /// Limit of the speed.
+    /// Limit of the joint's speed; `None` without a limit.
     velocity: Option<f64>,
 }
 
@@ -262,12 +262,12 @@ impl Grid {
         }
     }
 
-    /// Whether limits keep the joint within the range of the grid.
+    /// Whether limits keep the joint within the range of tested positions and velocities.
     fn holds_all(&self, law: &Law<'_>) -> bool {
         self.velocity.is_some() && (self.position.is_some() || !law.depends_on_position())
     }
 
-    /// Positions in ascending order. If the limits contain 0, it is added at the end.
+    /// Tested positions in ascending order. If the limits contain 0, it is added at the end.
     fn positions(&self) -> Vec<f64> {
         let [low, high] = self.position.unwrap_or([-self.widest, self.widest]);
         let part = |k: i32| f64::from(k) / f64::from(POSITIONS - 1);
@@ -276,7 +276,7 @@ impl Grid {
         positions.chain(zero).collect()
     }
 
-    /// Velocities in ascending order, without 0.
+    /// Tested velocities in ascending order, without 0.
     fn velocities(&self) -> impl Iterator<Item = f64> + use<> {
         let most = self.velocity.unwrap_or(SPEED);
         // A limit that is not positive has its own message.

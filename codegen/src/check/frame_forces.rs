@@ -9,7 +9,7 @@ use crate::model::{Attachment, ForceEffect, ForceInput, PointForce, Pose, Wrench
 use crate::wording::as_written;
 use gelenk_formula::Formula;
 
-/// Forces at frames for the model.
+/// Forces, inputs and wrenches at frames, as parts of the model.
 #[derive(Debug, Default)]
 pub(super) struct FrameForces {
     pub(super) point_forces: Vec<PointForce>,
@@ -17,7 +17,7 @@ pub(super) struct FrameForces {
     pub(super) wrenches: Vec<Wrench>,
 }
 
-/// Finds frames and links by name, and reports errors.
+/// Finds frames and links by name, and reports names that do not exist.
 pub(super) struct Resolver<'a> {
     pub(super) robot: &'a RobotDescription,
     pub(super) tree: &'a Tree,
@@ -103,8 +103,8 @@ impl Resolver<'_> {
         Some(at)
     }
 
-    /// Reports an error if a site and a body at different places have this name. Inputs and wrenches do not
-    /// need this check, because their `frame` means the site.
+    /// Reports an error if a site and a body at different places both have this name. Inputs and wrenches do
+    /// not need this check, because their `frame` means the site.
     fn is_clear(&mut self, name: &Name) -> bool {
         let mut sites =
             self.robot.frames.iter().filter(|frame| frame.is_site && frame.name.value == name.value);

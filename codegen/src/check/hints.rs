@@ -1,7 +1,7 @@
 //! Notes about probable mistakes in a description: degrees, millimetres, legs with a fixed base, shapes
 //! without mass, missing drives.
 //!
-//! There is one note for each kind of mistake. A note has no effect on the model.
+//! Each kind of mistake has one note. Notes have no effect on the model.
 
 use super::tree::Tree;
 use crate::description::angles::{is_beyond_turns, looks_like_degrees};
@@ -15,7 +15,7 @@ use gelenk_formula::Formula;
 /// Largest plausible length in m. Lengths of a robot in millimetres exceed it.
 const FAR: f64 = 50.0;
 
-/// Parts of the names of legs.
+/// Words in the names of links and joints of legs.
 const LEG_WORDS: [&str; 9] = ["leg", "foot", "feet", "knee", "ankle", "calf", "thigh", "shin", "shank"];
 
 /// Adds notes about probable mistakes to the report. The links must form a tree.
@@ -49,7 +49,7 @@ fn note_degrees(robot: &RobotDescription, report: &mut Report) {
     note_found(found, "looks-like-degrees", message, help, report);
 }
 
-/// Adds one note for all found entries, at the place of the first entry.
+/// Adds one note about all found entries, at the place of the first entry.
 fn note_found(
     found: Vec<(Span, String)>,
     code: &'static str,
@@ -108,7 +108,7 @@ fn note_lengths(
     note_found(found, "far-away", message, "lengths are in m, inertias in kg m²", report);
 }
 
-/// Notes inertias whose radius of gyration exceeds [`FAR`].
+/// Adds a note about inertias whose radius of gyration exceeds [`FAR`].
 fn note_inertias(
     robot: &RobotDescription,
     tree: &Tree,
@@ -142,7 +142,8 @@ fn note_inertias(
     note_found(found, "large-inertia", message, "inertias are in kg m²: 1 kg m² is 1e6 kg mm²", report);
 }
 
-/// Notes a robot with legs and a fixed base. A single leg is not noted, because it may be tested on a stand.
+/// Adds a note about a robot with legs and a fixed base. A single leg causes no note, because it may be
+/// tested on a stand.
 fn note_legs(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
     if robot.joints.iter().any(|joint| joint.part_of.is_some()) {
         // The base is not fixed, or the author described what floats.
@@ -186,7 +187,7 @@ fn names_a_leg(name: &str) -> bool {
     })
 }
 
-/// Notes links with a shape if neither the link nor a link that is fixed to it has a mass.
+/// Adds a note about links with a shape if neither the link nor a link that is fixed to it has a mass.
 fn note_shapes(robot: &RobotDescription, tree: &Tree, report: &mut Report) {
     let carriers = tree.carriers(robot);
     let mut weighs = vec![false; tree.links.len()];

@@ -12,20 +12,20 @@ use crate::model::regularity::{Pivots, STATES};
 use crate::wording::listed;
 use gelenk_formula::Formula;
 
-/// A body and its fault.
+/// A body that is physically impossible, and the reason.
 struct Finding<'d> {
     body: &'d BodyDescription,
     flaw: Flaw,
 }
 
-/// Impossible bodies whose inertia is from a URDF or an MJCF.
+/// Physically impossible bodies whose inertia is from a URDF or an MJCF.
 pub(super) struct Published<'d> {
     findings: Vec<Finding<'d>>,
     moving: usize,
 }
 
-/// Reports impossible bodies of TOML files. Returns the impossible bodies of URDFs and MJCFs, which
-/// [`Published::report`] reports later.
+/// Reports impossible bodies of TOML files. Returns the impossible bodies of URDFs and MJCFs for a later
+/// report by [`Published::report`].
 ///
 /// - `tree`: the tree of the links; `None` if the links do not form a tree. All bodies are then checked.
 pub(super) fn check<'d>(
@@ -98,7 +98,7 @@ fn refuse(body: &BodyDescription, flaw: &Flaw, report: &mut Report) {
 }
 
 impl Published<'_> {
-    /// Adds one warning about all impossible bodies.
+    /// Adds one warning about all impossible bodies of URDFs and MJCFs.
     ///
     /// - `pivots`: pivots of the mass matrix; `None` if there is no model
     pub(super) fn report(&self, pivots: Option<&Pivots>, report: &mut Report) {

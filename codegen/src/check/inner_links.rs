@@ -16,7 +16,8 @@ pub(super) fn refuse(robot: &RobotDescription, report: &mut Report) {
     }
 }
 
-/// Returns the link after a velocity, and the name of the joint; `None` for the last velocity of a joint.
+/// Returns the link after a velocity, and the name of the joint with the quaternion; `None` for the last
+/// velocity of a joint.
 fn inner_link(joint: &JointDescription) -> Option<(&str, &str)> {
     let part = joint.part_of.as_ref().filter(|part| part.index + 1 < part.kind.velocities())?;
     Some((joint.child.as_ref()?.value.as_str(), part.joint.value.as_str()))
@@ -35,7 +36,7 @@ fn parents(robot: &RobotDescription) -> impl Iterator<Item = &Name> {
     robot.joints.iter().filter(first).filter_map(|joint| joint.parent.as_ref())
 }
 
-/// Links that carry motors.
+/// Links that the description names as carriers of motors.
 fn carriers(robot: &RobotDescription) -> impl Iterator<Item = &Name> {
     let of_joints = robot.joints.iter().filter_map(|joint| match &joint.drive.as_ref()?.value {
         DriveChoice::Motor(motor) => motor.carrier.as_ref(),

@@ -17,7 +17,7 @@ pub(super) struct Identifiers {
     pub(super) joints: Vec<String>,
     /// Identifiers of the frames. Names of functions contain them.
     pub(super) frames: Vec<String>,
-    /// For each joint the identifier of the joint's drive; `None` if the joint has no drive.
+    /// For each joint the identifier of its drive; `None` if the joint has no drive.
     pub(super) drives: Vec<Option<String>>,
     /// Identifiers of the drives under `[[drives]]`.
     pub(super) shared_drives: Vec<String>,

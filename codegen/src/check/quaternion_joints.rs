@@ -30,7 +30,7 @@ pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
     inner_links::refuse(robot, report);
 }
 
-/// One velocity of a joint with a quaternion.
+/// One velocity of a joint with a quaternion, as an entry of the description.
 struct Velocity<'d> {
     joint: &'d JointDescription,
     part: &'d PartOf,

@@ -2,7 +2,7 @@
 
 use gelenk_formula::{Formula, Function};
 
-/// Lower and upper bound of a formula's values. Bounds may be infinite.
+/// Lower and upper bound of a formula's values. Both may be infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Range {
     low: f64,
@@ -38,7 +38,7 @@ impl Range {
         Self::between(value, value)
     }
 
-    /// The range from `low` to `high`. If a bound is not a number, the range has no bounds.
+    /// The range from `low` to `high`. If a bound is NaN, the range is unbounded.
     fn between(low: f64, high: f64) -> Self {
         if low.is_nan() || high.is_nan() { Self::ALL } else { Self { low, high } }
     }

@@ -13,7 +13,7 @@ pub(super) struct Tree {
     pub joints: Vec<Option<usize>>,
     /// For each link the index of the parent link. The base is its own parent.
     pub parents: Vec<usize>,
-    /// Indices of the links by name.
+    /// Index of each link by its name.
     pub index: BTreeMap<String, usize>,
 }
 
@@ -52,11 +52,11 @@ impl Tree {
     }
 }
 
-/// The links of a description as numbers, and their joints.
+/// The links of a description by index, and the joints between them.
 struct Graph<'d> {
     names: Vec<&'d Name>,
     numbers: BTreeMap<&'d str, usize>,
-    /// For each link the joint that carries the link.
+    /// For each link the joint that carries it; `None` for a root.
     carried_by: Vec<Option<usize>>,
     /// For each link the joints to its children.
     carries: Vec<Vec<usize>>,

@@ -72,7 +72,7 @@ impl CodeSizes {
     }
 }
 
-/// Names of the functions, and of the module of loops, that the steps of an array form call.
+/// Names of the functions that a function with loops over joints calls, and of their module.
 fn shared_loops(form: &Arrays) -> Vec<&str> {
     let maps = form.steps.iter().filter_map(|step| match step {
         Step::Map(map) => Some(map.name.as_str()),

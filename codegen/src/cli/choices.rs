@@ -105,7 +105,7 @@ impl Reading {
     }
 }
 
-/// TOML line that holds these joints.
+/// TOML line that holds these joints; `None` without joints.
 fn held_key(hold: &[Hold]) -> Option<String> {
     let is_last = |index: usize| hold[index + 1..].iter().all(|later| later.pattern != hold[index].pattern);
     let last = hold.iter().enumerate().filter(|(index, _)| is_last(*index));
@@ -114,7 +114,7 @@ fn held_key(hold: &[Hold]) -> Option<String> {
     (!entries.is_empty()).then(|| format!("held = {{ {} }}", entries.join(", ")))
 }
 
-/// TOML line that selects the subtree of a body.
+/// TOML line that selects the subtree of a body; `None` without a body.
 fn body_key(body: Option<&str>) -> Option<String> {
     body.map(|body| format!("body = {}", toml_text(body)))
 }
@@ -139,7 +139,7 @@ pub(super) struct Modules {
 }
 
 impl Modules {
-    /// The tools in sorted order, without duplicates.
+    /// The tools for which files are written, in sorted order without duplicates.
     pub(super) fn tools(&self) -> Vec<ToolName> {
         let mut tools = self.tools.clone();
         tools.sort_unstable();

@@ -1,4 +1,4 @@
-//! The command `gelenk inspect --closed-form`.
+//! The command `gelenk inspect --closed-form`, which prints the equations of motion as formulas with symbols.
 //!
 //! Symbolica prints a banner to standard output, and a second instance ends its process. Therefore the work
 //! runs in a separate process, whose standard output is redirected to standard error, so the printed results
@@ -22,7 +22,7 @@ use crate::output::{Planned, Replaces};
 use crate::read::{self, Loaded};
 use crate::report::{ClosedForm, Symbol};
 
-/// Prints M, k, q and B in closed form, or writes them to a file.
+/// Prints M, k, q and B of the equations of motion in closed form, or writes them to a file.
 pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure> {
     let loaded = read(arguments)?;
     closed_form::check_size(&loaded.model).map_err(problem)?;
@@ -42,8 +42,8 @@ fn problem(diagnostics: Diagnostics) -> Failure {
 }
 
 /// Computes the closed forms for the page of a robot in a separate process. The inner error is the text for
-/// the page if there are no closed forms, because the robot has too many joints or the computer algebra
-/// failed. A failure of the computer algebra is also printed.
+/// the page if there are no closed forms. This happens if the robot has too many joints or the computer
+/// algebra failed. A failure of the computer algebra is also printed.
 pub(super) fn for_page(
     arguments: &arguments::Report,
     loaded: &Loaded,

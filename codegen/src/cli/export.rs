@@ -1,4 +1,4 @@
-//! The command `gelenk export`.
+//! The command `gelenk export`, which writes a robot as URDF or MJCF.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

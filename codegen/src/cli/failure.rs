@@ -22,11 +22,11 @@ pub(super) const INTERNAL: u8 = 3;
 /// Reason why a command ends without success.
 #[derive(Debug)]
 pub(super) enum Failure {
-    /// Descriptions or logs with errors.
+    /// Descriptions or logs have errors.
     Descriptions(Vec<Diagnostics>),
-    /// A wrong command line.
+    /// The command line is wrong.
     Usage(String),
-    /// An internal error.
+    /// The program itself has an error.
     Internal(String),
     /// Any other problem, for example a file that cannot be written.
     Problem(String),
@@ -43,7 +43,7 @@ impl<E: std::error::Error + 'static> From<E> for Failure {
 }
 
 impl Failure {
-    /// Prints the reason and returns the exit code.
+    /// Prints the reason of the failure and returns the exit code.
     pub(super) fn say(&self, format: Format) -> u8 {
         match self {
             Self::Descriptions(all) => {

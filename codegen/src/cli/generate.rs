@@ -1,4 +1,5 @@
-//! The commands `gelenk generate` and `gelenk check`.
+//! The commands `gelenk generate`, which writes modules, and `gelenk check`, which compares them with their
+//! descriptions.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -282,7 +283,7 @@ fn options(choices: &Choices, command: String) -> GenerateOptions {
     }
 }
 
-/// The command that regenerates the file. Paths are relative to the workspace or the current folder.
+/// The command that regenerates a file. Paths are relative to the workspace or the current folder.
 pub(super) fn command(
     description: &Path,
     choices: &Choices,
@@ -333,8 +334,8 @@ fn modules_command(
     command
 }
 
-/// Path of a module. `target` decides; by default the module goes to the crate of the workspace `home`, or to
-/// the current folder if `home` is `None`. The smooth module of a pair is next to the exact module.
+/// Path of a module's file. `target` decides; by default the file is in the crate of the workspace `home`, or
+/// in the current folder if `home` is `None`. The smooth module of a pair is next to the exact module.
 fn place(robot: &Generated, target: &Target, home: Option<&Workspace>) -> PathBuf {
     let name = &robot.source.name;
     match (&target.output, home) {
@@ -368,7 +369,7 @@ fn files<'r>(robot: &'r Generated, path: &Path) -> Vec<(PathBuf, &'r str)> {
     }
 }
 
-/// The path with another ending after the name of the module.
+/// The path of a module's file with another ending after the name of the module.
 fn with_ending(path: &Path, ending: &str) -> PathBuf {
     let mut name = path.file_stem().unwrap_or_default().to_owned();
     name.push(ending);

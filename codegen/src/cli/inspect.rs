@@ -1,4 +1,4 @@
-//! The command `gelenk inspect`.
+//! The command `gelenk inspect`, which prints intermediate results of the generator.
 
 use std::process::ExitCode;
 
@@ -21,7 +21,8 @@ use crate::pipeline::Generated;
 use crate::program::display::{self, Notation};
 use crate::report::{self, EQUATIONS, sums, sums_document};
 
-/// Prints one stage of the generator for a description.
+/// Prints one intermediate result of the generator for a description: model, mechanism, operation counts,
+/// program or text.
 pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure> {
     if arguments.closed_form {
         return closed_form(arguments, format);
@@ -48,8 +49,8 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
     }
 }
 
-/// Returns the default stage, the model. Returns an error if the only argument is the name of a stage and no file
-/// has this name, because the description is then missing.
+/// Returns the default intermediate result to print, the model. Returns an error if the only argument is the
+/// name of an intermediate result and no file has this name, because the description is then missing.
 fn model_of(arguments: &Inspect) -> Result<Stage, Failure> {
     let named = arguments.description.to_str().filter(|name| Stage::from_str(name, false).is_ok());
     match named.filter(|_| !arguments.description.exists()) {
@@ -84,7 +85,7 @@ fn counts_and_bytes(robot: &Generated, what: Stage, format: Format) -> Result<Ex
     }
 }
 
-/// The functions for M, k, q and B, also if the description does not list them.
+/// The functions of the equations of motion (M, k, q and B), also if the description does not list them.
 fn equations(robot: &Generated) -> Result<Vec<Function>, Failure> {
     let names = EQUATIONS.map(str::to_owned);
     let request = Request { names: &names, most: MOST_OPERATIONS, form: Form::Straight, straight: &[] };
@@ -139,8 +140,8 @@ fn as_text(robot: &Generated, what: Stage, latex: bool) -> Result<String, Failur
     })
 }
 
-/// Text about functions over a sample time of robots with quaternions. Their operations on quaternions are not
-/// counted. The text is empty if the module has no functions of this kind.
+/// Text which says that operations on quaternions are not counted in functions over a sample time. Empty if
+/// the module has no functions of this kind.
 fn uncounted(module: &Module) -> String {
     let composed = module.compositions.iter().filter(|each| each.cost.is_none());
     let lines = composed.map(|each| {
@@ -218,7 +219,7 @@ fn tables_text(tables: &[Table]) -> String {
     tables.iter().map(text).collect()
 }
 
-/// Rows of tables by their identifiers.
+/// JSON object with the rows of tables by the tables' identifiers.
 fn tables_json(tables: &[Table]) -> Value {
     tables.iter().map(|table| (table.id.replace('-', "_"), table.records())).collect::<Map<_, _>>().into()
 }

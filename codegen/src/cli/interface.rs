@@ -75,7 +75,7 @@ fn shape(extents: &[Extent]) -> Vec<usize> {
     extents.iter().map(|extent| extent.len).collect()
 }
 
-/// For each length the name of its constant; `None` if the length does not depend on the robot.
+/// For each length of an array the name of its constant; `None` if the length does not depend on the robot.
 fn dimensions(extents: &[Extent]) -> Vec<Option<&'static str>> {
     extents.iter().map(|extent| extent.dimension.length()).collect()
 }

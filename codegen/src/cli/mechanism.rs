@@ -15,16 +15,16 @@ pub(super) fn tables(model: &Model) -> [Table; 2] {
     [shown.frames(), shown.moments()]
 }
 
-/// A mechanism with its model. The bodies of a joint with a quaternion are shown as one body, because only
-/// the last one has a mass.
+/// The bodies, joints and rotors of a model as they are printed. The bodies of a joint with a quaternion are
+/// shown as one body, because only the last one has a mass.
 struct Shown<'m> {
     model: &'m Model,
     mechanism: Mechanism<Number>,
 }
 
 impl<'m> Shown<'m> {
-    /// The mechanism in the plain formulation, because the cheapest formulation differs from function to
-    /// function.
+    /// Creates the mechanism with the usual recursive equations, because the cheapest formulation differs
+    /// from function to function.
     fn new(model: &'m Model) -> Self {
         let mechanism = Mechanism::new(model);
         let plain = Formulation::plain(mechanism.bodies.len());
@@ -51,8 +51,8 @@ impl<'m> Shown<'m> {
         body.chain.map_or(body, |place| &self.mechanism.bodies[place.first])
     }
 
-    /// Name of the joint that carries the body's joint. For joints on the base it is `base`, or the name of
-    /// the base link if the robot has quaternions, because a floating joint is usually called `base`.
+    /// Name of the joint before the body's joint. For joints on the base it is `base`, or the name of the
+    /// base link if the robot has quaternions, because a floating joint is usually called `base`.
     fn parent<'a>(&'a self, body: &'a Body<Number>) -> &'a str {
         match (self.stand(body).parent, self.model.quaternion_joints.is_empty()) {
             (Some(parent), _) => self.name(&self.mechanism.bodies[parent]),
@@ -61,13 +61,13 @@ impl<'m> Shown<'m> {
         }
     }
 
-    /// Number of the first position entry of a coordinate, from 1.
+    /// Number of a coordinate's first position entry, from 1.
     fn position(&self, coordinate: usize) -> usize {
         self.model.first_position(coordinate) + 1
     }
 
-    /// The followed coordinates as text, for example `y1`, `-y2`, `2 y1 + y3`, or `d1` for a driven
-    /// coordinate.
+    /// The coordinates that a body's joint follows as text, for example `y1`, `-y2`, `2 y1 + y3`, or `d1` for
+    /// a coordinate with prescribed motion.
     fn followed(&self, body: &Body<Number>) -> String {
         let mut text = String::new();
         for term in &body.transmission.terms {

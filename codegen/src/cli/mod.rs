@@ -1,4 +1,4 @@
-//! The program `gelenk`.
+//! The command line of the program `gelenk`.
 
 mod arguments;
 mod bytes;
@@ -23,9 +23,14 @@ use std::process::ExitCode;
 
 use arguments::{Arguments, Command};
 
-/// Runs the program with the arguments of the process. The exit code is 0 for success, 1 for an error in a
-/// description or file or for output that is out of date, 2 for a wrong command line, and 3 for an internal
-/// error.
+/// Runs the program with the arguments of the process.
+///
+/// Exit codes:
+///
+/// - 0: success
+/// - 1: error in a description or file, or output that is out of date
+/// - 2: wrong command line
+/// - 3: internal error
 #[must_use]
 pub fn run() -> ExitCode {
     let arguments = Arguments::read();

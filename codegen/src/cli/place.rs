@@ -54,7 +54,7 @@ impl Workspace {
     }
 }
 
-/// Path and name of a module.
+/// Path and name of a module to be written.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Target {
     pub(super) output: Output,
@@ -62,15 +62,15 @@ pub(super) struct Target {
     pub(super) name: Option<String>,
 }
 
-/// Path of a module.
+/// Path to which a module is written.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) enum Output {
-    /// The default path of Rust modules.
+    /// The module is written to the default path of Rust modules.
     #[default]
     Default,
-    /// This file. A C header is written next to it.
+    /// The module is written to this file. A C header is written next to it.
     File(PathBuf),
-    /// This folder. The file has the name of the module.
+    /// The module is written to this folder, in a file with the module's name.
     Folder(PathBuf),
 }
 

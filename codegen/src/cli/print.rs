@@ -10,8 +10,8 @@ use super::arguments::Format;
 use super::failure::Failure;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
-/// Largest number of printed lines of findings. With the steps and a table of 20 joints, the whole output has
-/// 120 lines.
+/// Largest number of printed lines of findings. With messages about the steps and a table of 20 joints, the
+/// whole output has 120 lines.
 const ROOM: usize = 84;
 
 /// Writes to standard output. A closed pipe (`gelenk … | head`) is not a failure.
@@ -51,18 +51,18 @@ pub(super) fn problems(all: &[Diagnostics], format: Format) {
     }
 }
 
-/// Diagnostics as JSON.
+/// Diagnostics of a description as a JSON list.
 pub(super) fn diagnostics(diagnostics: &Diagnostics) -> Value {
     diagnostics.entries().iter().map(diagnostic).collect()
 }
 
-/// Findings as JSON.
+/// Findings about an identification as a JSON list.
 pub(super) fn findings(all: &[Diagnostic]) -> Value {
     all.iter().map(diagnostic).collect()
 }
 
-/// Findings as text, one or two lines for each finding. If there are more than [`ROOM`] lines, only the most
-/// severe findings are included.
+/// Findings about an identification as text, one or two lines for each. If there are more than [`ROOM`]
+/// lines, only the most severe findings are included.
 pub(super) fn lines(all: &[Diagnostic]) -> String {
     let texts: Vec<String> = all.iter().map(|finding| format!("{finding}\n")).collect();
     let count = |text: &String| text.lines().count();
@@ -101,7 +101,7 @@ fn left_out(count: usize, kind: &str) -> String {
 }
 
 /// Returns the result. If it is an error, the findings so far are printed to standard error, because they may
-/// explain it.
+/// explain the error.
 pub(super) fn after<T, E: Into<Failure>>(
     result: Result<T, E>,
     findings: &[Diagnostic],
@@ -146,7 +146,7 @@ fn diagnostic(entry: &Diagnostic) -> Value {
     shown
 }
 
-/// A table with these headings.
+/// Text of a table with these column headings and rows.
 pub(super) fn headed(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let head = head.iter().map(|heading| (*heading).to_owned()).collect();
     table(&std::iter::once(head).chain(rows).collect::<Vec<_>>())

@@ -1,4 +1,4 @@
-//! The command `gelenk report`.
+//! The command `gelenk report`, which writes a page about a robot.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -95,7 +95,7 @@ fn closed_form(_: &arguments::Report, _: &Loaded) -> Result<Result<ClosedForm, S
     ))
 }
 
-/// The command for the foot of the page. It does not depend on the machine.
+/// The command for the foot of the page. It does not depend on the machine on which the page is made.
 fn command(arguments: &arguments::Report) -> String {
     let description = shown(&arguments.description, Workspace::find().as_ref());
     let mut words = vec!["gelenk report".to_owned(), quoted(&description)];

@@ -13,7 +13,7 @@ use crate::read::toml::keys::{FREE, Key, Keys, ROBOT, Value, parts};
 /// File name of the schema, to which descriptions refer.
 pub(super) const FILE: &str = "gelenk.schema.json";
 
-/// Prints the schema.
+/// Prints the JSON Schema of descriptions.
 pub(super) fn schema() -> Result<ExitCode, Failure> {
     print::json(&of_descriptions())
 }
@@ -56,8 +56,8 @@ fn property(row: &'static Key, definitions: &mut Map<String, Json>) -> Json {
     Json::Object(property)
 }
 
-/// The schema of a value. Alternatives have different types, and a keyword only concerns values of its type,
-/// so the keywords of all alternatives are combined. `anyOf` would hide which key is wrong. If two
+/// The schema of a key's value. The alternatives have different types, and a keyword only concerns values of
+/// its type, so the keywords of all alternatives are combined. `anyOf` would hide which key is wrong. If two
 /// alternatives are tables, they become one table with the keys of both; the program itself reports keys that
 /// exclude each other.
 fn value(value: &'static Value, definitions: &mut Map<String, Json>) -> Map<String, Json> {
@@ -112,7 +112,7 @@ fn types_of(value: &Value) -> &'static [&'static str] {
     }
 }
 
-/// Further keywords for the types of a value, without the keys of tables.
+/// Schema keywords for the types of a value, without the keys of tables.
 fn keywords(value: &'static Value, definitions: &mut Map<String, Json>) -> Json {
     let mut of = |entry| self::value(entry, definitions);
     match value {

@@ -16,26 +16,26 @@ pub(super) type Vector = [Atom; 3];
 /// A 3 × 3 matrix of expressions, as a list of rows.
 pub(super) type Matrix = [[Atom; 3]; 3];
 
-/// Largest number of variables per kind.
+/// Largest number of variables of one kind, for example of velocities.
 const VARIABLES: usize = 1000;
 
-/// Symbolica's variables of a derivation, by kind and index. They borrow the [`Instance`] that permits the
-/// use of Symbolica.
+/// Symbolica's variables of a derivation, each with a kind and an index. They borrow the [`Instance`] that
+/// permits the use of Symbolica.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Variables<'i> {
     _instance: &'i Instance,
 }
 
-/// A kind of variable.
+/// Quantity for which a variable stands in Symbolica's expressions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// Constant of the model.
+    /// Constant of the model, for example a mass or a length.
     Constant,
     /// Phase `e^{iα}` of an angle α.
     Phase,
-    /// Coordinate of a prismatic joint.
+    /// Coordinate of a prismatic joint, which occurs in expressions without a phase.
     Coordinate,
-    /// Velocity of a coordinate.
+    /// Velocity of a coordinate, with the index of the coordinate.
     Velocity,
 }
 
@@ -65,7 +65,8 @@ impl<'i> Variables<'i> {
         Atom::var(self.symbol(kind, index))
     }
 
-    /// Kind and index of a variable; `None` if the symbol is not a variable of the derivation.
+    /// Kind and index of the variable with this symbol; `None` if the symbol is not a variable of the
+    /// derivation.
     pub fn recognize(self, symbol: Symbol) -> Option<(Kind, usize)> {
         let name = symbol.get_stripped_name();
         let kind = Kind::ALL.into_iter().find(|kind| name.starts_with(kind.prefix()))?;
@@ -73,7 +74,7 @@ impl<'i> Variables<'i> {
         Some((kind, index))
     }
 
-    /// Power of the phase `e^{iα}` with an integer exponent.
+    /// Power `e^{i n α}` of the phase of an angle α with the integer `n`.
     fn phase(self, index: usize, exponent: i64) -> Atom {
         self.atom(Kind::Phase, index).pow(Atom::num(exponent))
     }
@@ -86,18 +87,18 @@ impl<'i> Variables<'i> {
         (self.phase(index, -1) - self.phase(index, 1)) * Atom::num((1, 2)) * Atom::i()
     }
 
-    /// Derivative `∂f/∂y = i E ∂f/∂E` with respect to an angle y with the phase E.
+    /// Derivative `∂f/∂y = i E ∂f/∂E` with respect to the angle y with this index. E is the phase `e^{iy}`.
     pub fn by_angle(self, f: &Atom, index: usize) -> Atom {
         let slope = f.derivative(self.symbol(Kind::Phase, index));
         (slope * self.phase(index, 1) * Atom::i()).expand()
     }
 
-    /// Derivative `∂f/∂y` with respect to the coordinate of a prismatic joint.
+    /// Derivative `∂f/∂y` with respect to the coordinate y of a prismatic joint.
     pub fn by_position(self, f: &Atom, index: usize) -> Atom {
         f.derivative(self.symbol(Kind::Coordinate, index)).expand()
     }
 
-    /// Derivative `∂f/∂ẏ` with respect to a velocity.
+    /// Derivative `∂f/∂ẏ` with respect to the velocity ẏ with this index.
     pub fn by_velocity(self, f: &Atom, index: usize) -> Atom {
         f.derivative(self.symbol(Kind::Velocity, index)).expand()
     }
@@ -143,7 +144,7 @@ pub(super) fn dot(a: &Vector, b: &Vector) -> Atom {
     sum.expand()
 }
 
-/// Product `R v` of a matrix and a vector.
+/// Product `R v` of a matrix R and a vector v.
 pub(super) fn rotate(r: &Matrix, v: &Vector) -> Vector {
     std::array::from_fn(|i| dot(&r[i], v))
 }
@@ -177,7 +178,7 @@ pub(super) fn rotation(axis: usize, sine: &Atom, cosine: &Atom) -> Matrix {
     })
 }
 
-/// The unit matrix.
+/// The 3 × 3 unit matrix.
 pub(super) fn identity() -> Matrix {
     std::array::from_fn(|i| std::array::from_fn(|j| Atom::num(i64::from(i == j))))
 }

@@ -1,8 +1,8 @@
 //! Moving bodies of a model, in the frames of the description.
 //!
 //! Fixed and held links belong to the body that carries them. Masses of a body without free parameters are
-//! combined to one mass. Masses with free parameters stay separate. `kinematics/` is not used, because closed
-//! forms serve as a check of results of `kinematics/`.
+//! combined to one mass. Masses with free parameters stay separate. The module `kinematics` is not used,
+//! because closed forms serve as a check of its results.
 
 use crate::model::{Body, Joint, JointKind, Model, Motion, Pose, RotorCoupling};
 use crate::numeric::sin_cos;
@@ -13,38 +13,38 @@ type Matrix = [[f64; 3]; 3];
 /// Entries below this fraction of the largest entry are rounding errors and are set to 0.
 const ROUNDING: f64 = 1e-12;
 
-/// A body that a joint moves.
+/// A body that a joint moves, with its masses.
 #[derive(Debug, Clone)]
 pub(super) struct MovingBody {
     /// Index of the coordinate of the body's joint.
     pub coordinate: usize,
     /// Index of the body that carries the joint; `None` if the base carries the joint.
     pub parent: Option<usize>,
-    /// Pose of the joint's frame in the parent's frame.
+    /// Pose of the joint's frame in the frame of the body that carries the joint.
     pub pose: Pose,
     /// Unit vector of the joint's axis in the joint's frame.
     pub axis: [f64; 3],
-    /// Whether the joint is prismatic.
+    /// Whether the body's joint is prismatic.
     pub is_prismatic: bool,
-    /// Masses of the body.
+    /// Rigid masses of the body.
     pub masses: Vec<Mass>,
 }
 
 /// A rigid mass in the frame of its body.
 #[derive(Debug, Clone)]
 pub(super) struct Mass {
-    /// Mass [kg].
+    /// Mass of the body part (kg).
     pub mass: Formula,
-    /// Centre of mass [m].
+    /// Centre of mass in the body's frame (m).
     pub center: [Formula; 3],
     /// Inertia about the centre of mass [kg m²]: xx, xy, xz, yy, yz, zz.
     pub inertia: [Formula; 6],
 }
 
-/// Rotor of a drive.
+/// Rotor of a drive, with its carrier and coordinate.
 #[derive(Debug, Clone)]
 pub(super) struct Rotor {
-    /// Index of the drive in the model.
+    /// Index of the rotor's drive in the model.
     pub drive: usize,
     /// Index of the body that carries the rotor, and unit vector of the rotor's axis in this body's frame.
     /// `None` if the base carries the rotor or if the motion of the carrier is neglected.
@@ -132,7 +132,7 @@ fn attached(
     (*parent, tidy(pose.then(&displacement(joint, position))))
 }
 
-/// Displacement of a link by the joint at `position`.
+/// Pose of a link in its joint's frame if the joint is at `position`.
 fn displacement(joint: &Joint, position: f64) -> Pose {
     let mut pose = Pose::identity();
     let [turn, slide] = joint.kind.turn_and_slide();
@@ -162,12 +162,13 @@ fn turned(rotation: &Matrix, v: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| (0..3).map(|j| rotation[i][j] * v[j]).sum())
 }
 
-/// Rounds entries that are close to an integer to this integer.
+/// Rounds entries that are close to an integer to this integer, so that rounding errors of unit vectors
+/// vanish.
 fn cleaned(v: [f64; 3]) -> [f64; 3] {
     v.map(|x| if (x - x.round()).abs() < ROUNDING { x.round() + 0.0 } else { x })
 }
 
-/// Removes rounding errors of products from the pose.
+/// Sets rounding errors in the pose to exact integers or 0.
 fn tidy(mut pose: Pose) -> Pose {
     pose.rotation = pose.rotation.map(cleaned);
     let numbers = pose.translation.each_ref().map(Formula::as_number);
@@ -194,7 +195,7 @@ pub(super) const ENTRY: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
 /// Row and column of the inertia entries xx, xy, xz, yy, yz, zz.
 pub(super) const PLACES: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
-/// Inertia `R I Rᵀ` in rotated axes.
+/// Inertia `R I Rᵀ` in axes rotated by R.
 fn turned_inertia(r: &Matrix, inertia: &[Formula; 6]) -> [Formula; 6] {
     PLACES.map(|(i, j)| {
         let mut sum = Formula::ZERO;
@@ -217,7 +218,7 @@ fn still_rotor(inertia: f64, axis: [f64; 3]) -> Mass {
     }
 }
 
-/// A mass without free parameters.
+/// Mass, centre and inertia of a mass without free parameters.
 struct NumericMass {
     mass: f64,
     center: [f64; 3],
@@ -246,7 +247,7 @@ fn lumped(masses: Vec<Mass>) -> Vec<Mass> {
     all
 }
 
-/// Combined mass with `m = Σ mᵢ`, `c = Σ mᵢ cᵢ / m` and `I = Σ Iᵢ + mᵢ (|dᵢ|² 1 − dᵢ dᵢᵀ)`, in which
+/// Combines masses to one mass: `m = Σ mᵢ`, `c = Σ mᵢ cᵢ / m` and `I = Σ Iᵢ + mᵢ (|dᵢ|² 1 − dᵢ dᵢᵀ)` with
 /// `dᵢ = cᵢ − c`.
 fn lump(masses: &[NumericMass]) -> Mass {
     let total: f64 = masses.iter().map(|part| part.mass).sum();

@@ -9,8 +9,9 @@ use super::terms::{ClosedForms, Factor, Monomial, Number, Sum, Term, Wave};
 use crate::program::letters::greek_letter;
 use gelenk_formula::{Formula, Function};
 
-/// Prints the equations as lines of text: the entries of M, k, q and B, the definitions of lumped constants,
-/// and the values of symbols. A lumped constant is a constant sum of products that gets its own symbol.
+/// Prints the equations of motion as lines of text: the entries of M, k, q and B, the definitions of lumped
+/// constants, and the values of symbols. A lumped constant is a constant sum of products that gets its own
+/// symbol.
 ///
 /// - `parameters`: values of the free parameters, from which the printed values are computed
 #[must_use]
@@ -62,13 +63,13 @@ pub fn latex(forms: &ClosedForms, parameters: &[f64]) -> String {
     format!("\\begin{{align*}}\n{}\n\\end{{align*}}\n{}", lines.join(" \\\\\n"), symbols.collect::<String>())
 }
 
-/// Closed forms in LaTeX, as separate equations.
+/// Closed forms in LaTeX, with one string for each equation and each constant.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LatexParts {
-    /// Name and formula of each entry of M, k, q and B. M is symmetric, so only its upper triangle is
-    /// included.
+    /// Name and formula of each entry of the mass matrix M, the Coriolis forces k, the applied forces q and
+    /// the input matrix B. M is symmetric, so only its upper triangle is included.
     pub equations: Vec<(String, String)>,
-    /// Name, definition and value of each lumped constant.
+    /// Name, definition and value of each lumped constant (a constant sum of products with its own symbol).
     pub constants: Vec<(String, String, String)>,
     /// Name, value and meaning of each symbol in the equations.
     pub symbols: Vec<[String; 3]>,
@@ -99,7 +100,8 @@ struct Printer<'a> {
 }
 
 impl Printer<'_> {
-    /// Name and formula of each entry. M is symmetric, so only its upper triangle is included.
+    /// Name and formula of each entry of the mass matrix M, the Coriolis forces k, the applied forces q and
+    /// the input matrix B. M is symmetric, so only its upper triangle is included.
     fn entries(&self) -> Vec<(String, String)> {
         let mut entries = Vec::new();
         for (i, row) in self.forms.mass_matrix.iter().enumerate() {
@@ -120,7 +122,7 @@ impl Printer<'_> {
         entries
     }
 
-    /// Name, definition and value of each lumped constant.
+    /// Name, definition and value of each lumped constant (a constant sum of products with its own symbol).
     fn constants(&self, parameters: &[f64]) -> Vec<(String, String, String)> {
         let constants = self.forms.constants.iter().enumerate();
         let shown = constants.map(|(index, sum)| {
@@ -175,7 +177,7 @@ impl Printer<'_> {
         if out.is_empty() { "0".to_owned() } else { out }
     }
 
-    /// Returns whether the term is subtracted, and the text of its magnitude.
+    /// Returns whether the term of a sum is subtracted, and the text of its magnitude.
     fn term(&self, term: &Term) -> (bool, String) {
         let mut outer = term.outer.clone();
         let mut parts = vec![self.wave(&term.wave)];
@@ -193,7 +195,8 @@ impl Printer<'_> {
         (outer.number.value < 0.0, self.product(&outer, &parts))
     }
 
-    /// Text of the product `|number| · factors · further`.
+    /// Text of the product `|number| · factors · further`, in which `number` and `factors` are those of the
+    /// monomial.
     fn product(&self, monomial: &Monomial, further: &[String]) -> String {
         let mut parts = Vec::new();
         let size = Number {
@@ -430,7 +433,7 @@ fn aligned(rows: &[[String; 3]]) -> String {
     rows.iter().map(line).collect()
 }
 
-/// Replaces digits by subscripts.
+/// Replaces digits by subscript digits.
 fn subscript(index: &str) -> String {
     let small = |c: char| match c.to_digit(10) {
         Some(digit) => char::from_u32(u32::from('₀') + digit).unwrap_or(c),

@@ -16,9 +16,9 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 #[derive(Debug, Clone)]
 pub(super) struct Part {
     pub number: Rational,
-    /// Constant symbols with exponents.
+    /// Constant symbols of the summand, with exponents.
     pub constants: Vec<(Factor, i32)>,
-    /// Velocities, and coordinates of prismatic joints, with exponents.
+    /// Velocities, and coordinates of prismatic joints, in the summand, with exponents.
     pub motion: Vec<(Factor, i32)>,
     pub wave: Wave,
 }
@@ -30,15 +30,16 @@ impl Part {
     }
 }
 
-/// Constants and motion of a summand. Summands with the same key are collected in one spectrum.
+/// Constants, velocities and coordinates of a summand. Summands that agree in them differ only in sines and
+/// cosines.
 type Key = (Vec<(Factor, i32)>, Vec<(Factor, i32)>);
 
-/// Factors of the combinations of phases. A combination is a list of exponents. A factor has a real and an
-/// imaginary part.
+/// Complex factors (real part, imaginary part) of products of phases `E = e^{iα}`. The key contains the
+/// exponent of each phase.
 type Spectrum = BTreeMap<Vec<i32>, (Rational, Rational)>;
 
-/// Converts an expanded expression to its real summands, in a fixed order. The two conjugate terms of a
-/// combination k of phases become
+/// Converts an expanded expression to its real summands, in a fixed order. For a product `E^k` of powers of
+/// phases `E = e^{iα}`, the two conjugate terms become
 ///
 /// `c E^k + c̄ E^−k = 2 Re c cos(k·α) − 2 Im c sin(k·α)`
 ///
@@ -95,7 +96,7 @@ fn add(
     Ok(())
 }
 
-/// A summand under construction.
+/// A product of a number, symbols and phases that is read from an expression.
 struct Product {
     number: (Rational, Rational),
     constants: BTreeMap<Factor, i32>,
@@ -138,8 +139,8 @@ fn number_of(number: CoefficientView<'_>) -> Option<(Rational, Rational)> {
     }
 }
 
-/// Converts a spectrum to sines and cosines with their factors. The first non-zero multiple in each wave is
-/// positive.
+/// Converts products of phases `E = e^{iα}` with complex factors to sines and cosines with real factors. The
+/// first non-zero multiple of an angle in each sine or cosine is positive.
 fn real(spectrum: &Spectrum) -> Result<Vec<(Rational, Wave)>, Diagnostics> {
     let mut waves = Vec::new();
     let zero = Rational::from(0);

@@ -10,23 +10,24 @@ use super::symbols::Symbol;
 use super::terms::{Factor, Monomial, Number, Sum, Term, Wave};
 use gelenk_formula::Formula;
 
-/// A product of factors with exponents.
+/// A product of symbols, each with its exponent.
 type Factors = Vec<(Factor, i32)>;
 
 /// A sum of products with rational numbers.
 type Polynomial = Vec<(Factors, Rational)>;
 
-/// Largest number of symbols in a product that does not become a lumped constant.
+/// Largest number of symbols in a constant product that gets no symbol of its own.
 const SHORT: i32 = 2;
 
-/// The lumped constants that were found so far.
+/// The lumped constants that were found so far. A lumped constant is a constant sum of products with its own
+/// symbol.
 #[derive(Debug, Default)]
 pub(super) struct Constants {
     found: Vec<Polynomial>,
 }
 
 impl Constants {
-    /// Groups the summands of one entry of M, k, q or B.
+    /// Groups the summands of one entry of the equations of motion.
     ///
     /// - `basis`: function that multiplies all summands, with the index of its coordinate
     /// - `symbols`: all symbols; visible symbols do not become part of a lumped constant
@@ -72,8 +73,8 @@ impl Constants {
         self.found.into_iter().map(definition).collect()
     }
 
-    /// Writes a polynomial as the product of a number and symbols. A long polynomial becomes a lumped
-    /// constant.
+    /// Writes a constant polynomial as the product of a number and symbols. A long polynomial becomes a
+    /// lumped constant with its own symbol.
     fn letter(&mut self, mut polynomial: Polynomial) -> (Rational, Factors) {
         polynomial.sort_by(|a, b| a.0.cmp(&b.0));
         if let [(factors, number)] = polynomial.as_slice()
@@ -105,8 +106,8 @@ fn ratio(a: &Polynomial, b: &Polynomial) -> Option<Rational> {
     is_multiple.then_some(first)
 }
 
-/// The common factor of a sum's numbers. After a division by this factor, the numbers are coprime integers,
-/// and the first number is positive.
+/// Factor for all numbers of a sum: the gcd of the numerators divided by the gcd of the denominators. It has
+/// the sign of the first number, so the first number is positive after the division by this factor.
 fn content(polynomial: &Polynomial) -> Rational {
     let Some((_, first)) = polynomial.first() else {
         return Rational::from(1);

@@ -20,19 +20,20 @@ use crate::model::{Model, RotorCoupling};
 
 /// Results of Lagrange's equations. Sines and cosines are written as phases.
 pub(super) struct Lagrange {
-    /// Mass matrix `M = ∂²L/∂ẏ²`.
+    /// Mass matrix `M = ∂²L/∂ẏ²` from the Lagrangian L.
     pub mass_matrix: Vec<Vec<Atom>>,
-    /// Bias forces `k − q_gravity = Σⱼ ∂²L/∂ẏ∂yⱼ ẏⱼ − ∂L/∂y`.
+    /// Bias forces `k − q_gravity = Σⱼ ∂²L/∂ẏ∂yⱼ ẏⱼ − ∂L/∂y` from the Lagrangian L: Coriolis forces k minus
+    /// gravity.
     pub bias_forces: Vec<Atom>,
 }
 
-/// Pose of a body's frame in the base frame.
+/// Pose of a body's frame in the base frame, with expressions as entries.
 struct Placed {
     rotation: Matrix,
     origin: Vector,
 }
 
-/// Derives M and the bias forces `k − q_gravity` of a model.
+/// Derives the mass matrix and the bias forces (Coriolis forces minus gravity) of a model.
 pub(super) fn derive(
     variables: Variables<'_>,
     model: &Model,
@@ -102,7 +103,7 @@ impl Derivation<'_, '_, '_> {
         Placed { rotation: algebra::product(&turned, &algebra::transpose(&align)), origin }
     }
 
-    /// Angular velocity ω in the body's frame, from `[ω]ₓ = RᵀṘ`.
+    /// Angular velocity ω in the body's frame, from `[ω]ₓ = RᵀṘ` with the body's rotation R.
     fn spin(&self, rotation: &Matrix) -> Vector {
         let rate = rotation.each_ref().map(|row| row.each_ref().map(|entry| self.rate(entry)));
         let (columns, rates) = (algebra::transpose(rotation), algebra::transpose(&rate));
@@ -110,7 +111,9 @@ impl Derivation<'_, '_, '_> {
         [entry(2, 1), entry(0, 2), entry(1, 0)]
     }
 
-    /// Part `½ m ṗᵀṗ + ½ ωᵀ I ω + m g₀ᵀp` of the Lagrangian, summed over the masses of a body.
+    /// A body's part `½ m ṗᵀṗ + ½ ωᵀ I ω + m g₀ᵀp` of the Lagrangian, summed over its masses. Each mass m has
+    /// the centre p and the inertia I. ω is the body's angular velocity, and g₀ the gravitational
+    /// acceleration.
     fn of_body(&mut self, body: &MovingBody, frame: &Placed, spin: &Vector, gravity: &Vector) -> Atom {
         let mut sum = algebra::zero();
         for mass in &body.masses {
@@ -127,7 +130,8 @@ impl Derivation<'_, '_, '_> {
         sum.expand()
     }
 
-    /// Part `½ J_R (aᵀω_c + i ẏ)²` of the Lagrangian for one rotor.
+    /// Part `½ J_R (aᵀω_c + i ẏ)²` of the Lagrangian for one rotor with axial inertia J_R, axis a and gear
+    /// ratio i. ω_c is the angular velocity of its carrier.
     fn of_rotor(&mut self, rotor: &Rotor, model: &Model, spins: &[Vector]) -> Atom {
         let (inertia, ratio) = self.letters.rotor(rotor.drive);
         let mut speed = algebra::zero();

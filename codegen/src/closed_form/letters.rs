@@ -20,14 +20,15 @@ const QUARTER_ROUNDING: f64 = 1e-12;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Assigns one symbol to each constant.
+/// Assigns one symbol to each constant of the description.
 pub(super) struct Letters<'m> {
     variables: Variables<'m>,
     model: &'m Model,
     pub symbols: Symbols,
-    /// Symbols of constant angles. If there are n coordinates, phase `n + k` belongs to `angles[k]`.
+    /// Symbols of constant angles. With n coordinates, the variable with index `n + k` is the phase `e^{iα}`
+    /// of the angle `angles[k]`.
     pub angles: Vec<Symbol>,
-    /// Gear ratio of each drive.
+    /// Gear ratio of each drive, as an expression.
     ratios: Vec<Atom>,
 }
 
@@ -57,8 +58,7 @@ impl<'m> Letters<'m> {
         }
     }
 
-    /// Converts a formula like [`Letters::constant`], but its symbol does not become part of a lumped
-    /// constant.
+    /// Converts a formula like [`Letters::constant`], but keeps its symbol out of lumped constants.
     fn visible(&mut self, formula: &Formula, stem: &str, index: &str, meaning: &str) -> Atom {
         let before = self.symbols.entries.len();
         let atom = self.constant(formula, stem, index, meaning);
@@ -69,7 +69,7 @@ impl<'m> Letters<'m> {
         atom
     }
 
-    /// Excludes the free parameters of a formula from lumped constants.
+    /// Keeps the free parameters of a formula out of lumped constants.
     fn show(&mut self, formula: &Formula) {
         for index in 0..self.model.parameters.len() {
             if formula.any(&|part| *part == Formula::Parameter(index)) {
@@ -78,7 +78,7 @@ impl<'m> Letters<'m> {
         }
     }
 
-    /// Replaces calls of functions, and divisors that are sums, by symbols.
+    /// Replaces calls of functions, and divisors that are sums, by symbols, so that the rest is a polynomial.
     fn polynomial(&mut self, formula: &Formula) -> Formula {
         let mut go = |part: &Formula| Box::new(self.polynomial(part));
         match formula {
@@ -202,7 +202,7 @@ impl<'m> Letters<'m> {
         turned(quarters, sine, self.variables.cosine(phase))
     }
 
-    /// Mass, centre of mass, and inertia about the centre of mass (xx, xy, xz, yy, yz, zz).
+    /// Mass, centre of mass, and inertia about the centre of mass (xx, xy, xz, yy, yz, zz) as expressions.
     pub fn mass(&mut self, coordinate: usize, mass: &Mass) -> (Atom, Vector, [Atom; 6]) {
         let name = self.joint_name(coordinate);
         let index = coordinate + 1;
@@ -223,7 +223,7 @@ impl<'m> Letters<'m> {
         (m, center, inertia)
     }
 
-    /// Axial inertia and gear ratio of the rotor of a drive.
+    /// Axial inertia and gear ratio of a drive's rotor as expressions.
     pub fn rotor(&mut self, drive: usize) -> (Atom, Atom) {
         let model = self.model;
         let meaning = format!("axial inertia of the rotor of {} [kg m²]", model.drives[drive].name);
@@ -232,8 +232,8 @@ impl<'m> Letters<'m> {
         (inertia, self.ratios[drive].clone())
     }
 
-    /// Matrix B, as a list of rows. An entry is the gear ratio, times the motor constant if the input is a
-    /// current.
+    /// Input matrix B as a list of rows. An entry is the drive's gear ratio, times the motor constant if the
+    /// input is a current.
     pub fn input_matrix(&mut self) -> Vec<Vec<Atom>> {
         let model = self.model;
         let drives: Vec<_> =
@@ -312,7 +312,7 @@ impl<'m> Letters<'m> {
     }
 }
 
-/// Sine and cosine of α + 90° k from sine and cosine of α.
+/// Sine and cosine of α + 90° n from sine and cosine of α, with n = `quarters`.
 fn turned(quarters: f64, sine: Atom, cosine: Atom) -> (Atom, Atom) {
     // The cast is exact, because angles are at most a few turns.
     match quarters.rem_euclid(4.0) as u8 {
@@ -323,7 +323,7 @@ fn turned(quarters: f64, sine: Atom, cosine: Atom) -> (Atom, Atom) {
     }
 }
 
-/// Number of symbols that the constant angles of the bodies need.
+/// Number of constant angles between the bodies' axes that are not multiples of 90° and need a symbol.
 pub(super) fn count_angles(bodies: &Bodies) -> usize {
     let joints = bodies.bodies.iter().flat_map(|body| {
         let origin = roll_pitch_yaw(&body.pose.rotation);
@@ -346,7 +346,7 @@ fn is_quarter(angle: f64) -> bool {
     (angle - quarters * FRAC_PI_2).abs() < QUARTER_ROUNDING
 }
 
-/// Azimuth and polar angle of an axis [rad].
+/// Azimuth and polar angle of an axis in rad.
 fn spherical([x, y, z]: [f64; 3]) -> [f64; 2] {
     [atan2(y, x), atan2(length([x, y]), z)]
 }
@@ -366,7 +366,7 @@ fn unit(joint: &Joint, basis: &Formula) -> &'static str {
     }
 }
 
-/// Letter a, b, c, … of a term of a force law.
+/// Letter a, b, c, … for the term of a force law with this number.
 fn part(number: usize) -> char {
     char::from(b'a' + (number % 26) as u8)
 }
@@ -380,7 +380,7 @@ fn is_product(formula: &Formula) -> bool {
     }
 }
 
-/// Roll, pitch and yaw of `R_z(yaw) R_y(pitch) R_x(roll)` [rad]. If pitch is ±90°, roll is 0.
+/// Roll, pitch and yaw of `R_z(yaw) R_y(pitch) R_x(roll)` (rad). If pitch is ±90°, roll is 0.
 fn roll_pitch_yaw(r: &[[f64; 3]; 3]) -> [f64; 3] {
     let level = length([r[0][0], r[1][0]]);
     let pitch = atan2(-r[2][0], level);

@@ -14,21 +14,21 @@ use std::time::Duration;
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
-/// Longest time that [`Instance::acquire`] waits for the process that has the lock.
+/// Longest time that [`Instance::acquire`] waits for another process that uses Symbolica.
 pub const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Pause between two attempts.
+/// Pause between two attempts to lock the file.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// The locked file. It is kept until the process ends, because a process that has used Symbolica remains an
-/// instance.
+/// The file whose lock permits the use of Symbolica. It is kept until the process ends, because a process
+/// that has used Symbolica remains an instance.
 static LOCK: OnceLock<File> = OnceLock::new();
 
-/// Lock for the threads of this process.
+/// Lock between the threads of this process, which use Symbolica one after another.
 static TURN: Mutex<()> = Mutex::new(());
 
-/// Permission to use Symbolica on this thread until the value is dropped. Other processes have to wait until
-/// this process ends, because the operating system unlocks the file only then.
+/// Permission to use Symbolica on this thread until the value is dropped. Other processes wait until this
+/// process ends, because only then the operating system unlocks the file.
 #[derive(Debug)]
 pub struct Instance {
     _turn: MutexGuard<'static, ()>,
@@ -53,7 +53,7 @@ impl Instance {
     }
 }
 
-/// Opens and locks the file at `path`.
+/// Opens and locks the file at `path`. Waits for at most `patience`.
 fn locked(path: &Path, patience: Duration, on_wait: &mut dyn FnMut(&Path)) -> Result<File, Diagnostics> {
     let file = open(path).map_err(|error| problem(unusable(path, &error)))?;
     let mut waited = Duration::ZERO;

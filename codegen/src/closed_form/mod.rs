@@ -1,5 +1,5 @@
-//! Closed forms: formulas of M, k, q and B with symbols instead of numbers. The computer algebra system
-//! Symbolica derives them.
+//! Closed forms: formulas of the equations of motion with symbols instead of numbers. The computer algebra
+//! system Symbolica derives them.
 //!
 //! This module requires the feature `symbolica`, which is off by default. No other module uses Symbolica, and
 //! generated code does not depend on Symbolica.
@@ -40,7 +40,8 @@ use fourier::Part;
 use group::Constants;
 use letters::Letters;
 
-/// Largest number of coordinates. Closed forms of more coordinates are too long to read.
+/// Largest number of coordinates of a robot with closed forms. More coordinates make formulas that are too
+/// long to read.
 pub const MAXIMUM_JOINTS: usize = 3;
 
 /// Largest sum of the number of coordinates and the number of constant angles that are not multiples of 90°.
@@ -49,7 +50,8 @@ pub const MAXIMUM_JOINTS: usize = 3;
 /// hours.
 pub const MAXIMUM_ANGLES: usize = 4;
 
-/// Derives `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a model with symbols instead of numbers.
+/// Derives the equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u` of a model with symbols instead of
+/// numbers.
 ///
 /// - `instance`: permission to use Symbolica
 ///
@@ -99,8 +101,8 @@ pub fn derive(model: &Model, instance: &Instance) -> Result<ClosedForms, Diagnos
     })
 }
 
-/// Checks that closed forms of a model are possible. The model must be small enough, and M, k, q and B must
-/// be its complete equations of motion. No instance of Symbolica is needed.
+/// Checks that closed forms of a model are possible. The model must be small enough, and `M ÿ + k = q + B u`
+/// must be its complete equations of motion. No instance of Symbolica is needed.
 ///
 /// # Errors
 /// Returns the errors of [`derive()`].
@@ -137,7 +139,7 @@ fn check_coordinates(model: &Model) -> Result<(), Diagnostics> {
     Ok(())
 }
 
-/// Converts Symbolica's expressions to sums of [`Term`]s.
+/// Converts Symbolica's expressions to sums of [`Term`]s, and collects the lumped constants.
 struct Writer<'a, 'm> {
     variables: Variables<'m>,
     phases: usize,
@@ -163,8 +165,8 @@ impl Writer<'_, '_> {
         Ok(all)
     }
 
-    /// Splits `k − q_gravity` into k and q_gravity. Terms with velocities belong to k, terms without
-    /// velocities to q_gravity.
+    /// Splits the bias forces into Coriolis forces and gravity. Terms with velocities belong to the Coriolis
+    /// forces, terms without velocities to gravity.
     fn split(&mut self, bias: &Atom) -> Result<(Sum, Sum), Diagnostics> {
         let moves = |part: &Part| {
             let mut factors = part.motion.iter();

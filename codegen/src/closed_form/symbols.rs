@@ -3,7 +3,7 @@
 use crate::model::Model;
 use gelenk_formula::Formula;
 
-/// A symbol for a constant.
+/// A symbol that replaces a number of the description.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Symbol {
     /// Letter of the symbol, for example `m`, `c` or `I`, or the name of a free parameter.
@@ -11,7 +11,7 @@ pub struct Symbol {
     /// Subscript of the symbol: the number of the coordinate, and axes if necessary, for example `2` or `2z`.
     /// It is empty for free parameters.
     pub index: String,
-    /// Value in the description. The value of a free parameter can be given to
+    /// Value of the constant in the description. The value of a free parameter can be given to
     /// [`ClosedForms::evaluate`](super::ClosedForms::evaluate).
     pub value: Formula,
     /// Meaning of the symbol, with the unit in brackets.
@@ -28,7 +28,7 @@ impl Symbol {
     }
 }
 
-/// All symbols of constants. Free parameters are first.
+/// Symbols of all constants. Free parameters are first.
 #[derive(Debug, Clone)]
 pub(super) struct Symbols {
     pub entries: Vec<Symbol>,

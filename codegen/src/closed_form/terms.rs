@@ -4,10 +4,11 @@ use super::symbols::Symbol;
 use crate::numeric::{power, sin_cos};
 use gelenk_formula::Formula;
 
-/// Closed forms of M, k, q and B in `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`, with n coordinates y and m inputs u.
+/// Closed forms of the terms in the equations of motion `M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u`, with n
+/// coordinates y and m inputs u.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClosedForms {
-    /// Name of the robot.
+    /// Name of the robot in the description.
     pub robot: String,
     /// Names of the coordinates y₁ … yₙ.
     pub coordinates: Vec<String>,
@@ -19,26 +20,26 @@ pub struct ClosedForms {
     pub angles: Vec<Symbol>,
     /// Definitions of the lumped constants p₁, p₂, … as sums of products of masses, lengths and inertias.
     pub constants: Vec<Vec<Monomial>>,
-    /// Mass matrix M, `[n × n]`.
+    /// Mass matrix M, `[n × n]` for n coordinates.
     pub mass_matrix: Vec<Vec<Sum>>,
-    /// Coriolis, centrifugal and gyroscopic forces k, `[n]`.
+    /// Coriolis, centrifugal and gyroscopic forces k, `[n]` for n coordinates.
     pub coriolis_forces: Vec<Sum>,
-    /// Applied forces q, `[n]`.
+    /// Applied forces q (gravity, springs, friction), `[n]` for n coordinates.
     pub applied_forces: Vec<Sum>,
-    /// Input matrix B, `[n × m]`.
+    /// Input matrix B, `[n × m]` for n coordinates and m inputs.
     pub input_matrix: Vec<Vec<Sum>>,
 }
 
-/// A rational number.
+/// A rational number as a factor of a product.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Number {
-    /// Value of the number.
+    /// Value of the number in double precision.
     pub value: f64,
     /// Numerator and denominator; `None` if they are too long to print.
     pub fraction: Option<(i64, i64)>,
 }
 
-/// A factor of a monomial.
+/// A factor of a product: a constant, a symbol, a coordinate or a velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Factor {
     /// The lumped constant with this index in [`ClosedForms::constants`].
@@ -47,14 +48,14 @@ pub enum Factor {
     Symbol(usize),
     /// The coordinate with this index. It is the position of a prismatic joint.
     Coordinate(usize),
-    /// The velocity with this index.
+    /// The velocity of the coordinate with this index.
     Velocity(usize),
 }
 
 /// A product `number · Π factorᵉ` with integer exponents e.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Monomial {
-    /// Rational factor.
+    /// Rational number that multiplies the other factors.
     pub number: Number,
     /// Factors with their non-zero exponents.
     pub factors: Vec<(Factor, i32)>,
@@ -63,21 +64,23 @@ pub struct Monomial {
 /// Sine or cosine of a sum of angles with integer multiples.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Wave {
-    /// The constant 1.
+    /// The constant 1 instead of a sine or cosine.
     None,
     /// Cosine `cos(Σ kᵢ αᵢ)` with the multiples k. The angles α are the coordinates, then
     /// [`ClosedForms::angles`].
     Cosine(Vec<i32>),
-    /// Sine `sin(Σ kᵢ αᵢ)` with the multiples k. The angles α are those of [`Self::Cosine`].
+    /// Sine `sin(Σ kᵢ αᵢ)` with the multiples k. The angles α are the coordinates, then
+    /// [`ClosedForms::angles`].
     Sine(Vec<i32>),
 }
 
-/// A product `outer · wave · (Σ inner) · basis`.
+/// A product `outer · wave · (Σ inner) · basis` of constants, a sine or cosine, velocities and a basis
+/// function of a force law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Term {
-    /// Number and constant factors.
+    /// Number and constant symbols of the term.
     pub outer: Monomial,
-    /// Sine, cosine, or 1.
+    /// Sine or cosine in the term, or 1.
     pub wave: Wave,
     /// Sum of products of velocities and coordinates of prismatic joints. It has at least one summand.
     pub inner: Vec<Monomial>,
@@ -89,22 +92,22 @@ pub struct Term {
 /// A sum of terms. An empty sum is 0.
 pub type Sum = Vec<Term>;
 
-/// Values of M, k, q and B at one state.
+/// Values of the terms M, k, q and B of the equations of motion at one state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Values {
-    /// Mass matrix M, `[n × n]`.
+    /// Mass matrix M, `[n × n]` for n coordinates.
     pub mass_matrix: Vec<Vec<f64>>,
-    /// Coriolis, centrifugal and gyroscopic forces k, `[n]`.
+    /// Coriolis, centrifugal and gyroscopic forces k, `[n]` for n coordinates.
     pub coriolis_forces: Vec<f64>,
-    /// Applied forces q, `[n]`.
+    /// Applied forces q (gravity, springs, friction), `[n]` for n coordinates.
     pub applied_forces: Vec<f64>,
-    /// Input matrix B, `[n × m]`.
+    /// Input matrix B, `[n × m]` for n coordinates and m inputs.
     pub input_matrix: Vec<Vec<f64>>,
 }
 
 impl ClosedForms {
-    /// Evaluates M, k, q and B at a state. A result is `NaN` if it depends on a value that is missing in an
-    /// argument.
+    /// Evaluates the terms M, k, q and B of the equations of motion at a state. A result is `NaN` if it
+    /// depends on a value that is missing in an argument.
     ///
     /// - `parameters`: values of the free parameters
     /// - `y`, `v`: coordinates and velocities, n entries each
@@ -127,7 +130,7 @@ impl ClosedForms {
     }
 }
 
-/// Values of all quantities that occur in formulas.
+/// Values of the constants, coordinates and velocities that occur in formulas.
 struct State<'a> {
     symbols: Vec<f64>,
     constants: Vec<f64>,

@@ -9,15 +9,16 @@ use crate::wording::{listed, three_digits};
 pub const NEARLY_RIGHT: f64 = 1e-4;
 /// Code of the note about angles close to a multiple of 90°.
 pub const NEARLY_RIGHT_ANGLE: &str = "nearly-right-angle";
-/// Converts the angles of a description to rotations, and collects suspicious angles for notes.
+/// Converts the angles of a description to rotations, and collects angles that are probably mistakes for
+/// notes.
 #[derive(Debug, Default)]
 pub(crate) struct Angles {
-    /// Largest distance [rad] of an angle from a multiple of 90° for which the angle is rounded to this
+    /// Largest distance (rad) of an angle from a multiple of 90° for which the angle is rounded to this
     /// multiple. `None` rounds no angle.
     pub snap: Option<f64>,
     near: Vec<(Span, String, f64)>,
     gained: usize,
-    /// Places and texts of angles that look like degrees.
+    /// Places and texts of angles that are probably in degrees instead of radians.
     degrees: Vec<(Span, String)>,
 }
 
@@ -34,7 +35,7 @@ pub(crate) fn is_beyond_turns(angle: f64) -> bool {
 }
 
 impl Angles {
-    /// Rotation from roll, pitch and yaw [rad], as in URDF. Notes name the angles by `owner`.
+    /// Rotation from roll, pitch and yaw (rad), as in URDF. Notes name the angles by `owner`.
     pub fn rpy(&mut self, rpy: &At<[f64; 3]>, owner: &str) -> Rotation {
         let angles = rpy.value.map(|angle| self.snapped(angle));
         for angle in angles {
@@ -51,7 +52,7 @@ impl Angles {
         from_quaternion(quaternion, self.snap.unwrap_or(0.0))
     }
 
-    /// Returns an angle of a Denavit–Hartenberg row [rad], rounded if [`Self::snap`] is set. Notes name the
+    /// Returns an angle of a Denavit–Hartenberg row (rad), rounded if [`Self::snap`] is set. Notes name the
     /// angle by `owner`.
     pub fn angle(&mut self, angle: &At<f64>, owner: &str) -> f64 {
         let value = self.snapped(angle.value);

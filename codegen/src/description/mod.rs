@@ -31,7 +31,7 @@ pub(crate) struct RobotDescription {
     pub description: Vec<String>,
     pub gravity: Option<[Formula; 3]>,
     pub parameters: Vec<At<Parameter>>,
-    /// Name of the base link.
+    /// Name of the base link; `None` if the description does not name it.
     pub base: Option<Name>,
     /// Place of the entry that makes the base floating; `None` if the base is fixed.
     pub floating_base: Option<Span>,
@@ -51,13 +51,12 @@ pub(crate) struct RobotDescription {
     pub bodies: Vec<BodyDescription>,
     pub joints: Vec<JointDescription>,
     pub frames: Vec<FrameDescription>,
-    /// Names of the joints in the order of the coordinates.
+    /// Names of the joints in the order of the coordinates; `None` without a given order.
     pub coordinates: Option<Vec<Name>>,
     /// Whether the children of a link have the order of their joints' names, as in Pinocchio. Otherwise they
     /// have the order of the description.
     pub sort_joints: bool,
-    /// Joints in `held` or `--hold` that follow other joints. It is an error if a followed joint is not held,
-    /// too.
+    /// Held joints that follow other joints. It is an error if a followed joint is not held, too.
     pub resting: Vec<Name>,
     /// Drives of the tables `[[drives]]`, which may act on several joints.
     pub drives: Vec<SharedDriveDescription>,
@@ -67,7 +66,7 @@ pub(crate) struct RobotDescription {
     pub wrench_inputs: Vec<WrenchInputDescription>,
     /// Wrenches that are arguments of generated functions.
     pub wrenches: Vec<WrenchDescription>,
-    /// Drive of joints without a drive of their own.
+    /// Drive of all joints for which the description gives no drive.
     pub default_drive: DriveChoice,
     /// Whether a mass matrix that is not positive definite causes a warning instead of an error.
     pub accept_unphysical: bool,
@@ -75,8 +74,8 @@ pub(crate) struct RobotDescription {
 }
 
 impl RobotDescription {
-    /// Drive of a joint. If the joint has no drive of its own, the drive is [`Self::default_drive`].
-    /// Followers, and joints with a drive under `[[drives]]`, have no drive by default.
+    /// Drive of a joint. If the joint has no drive of its own, the drive is [`Self::default_drive`]. By
+    /// default, joints that follow others and joints on which `[[drives]]` act have no drive.
     pub fn drive_of<'d>(&'d self, joint: &'d JointDescription) -> &'d DriveChoice {
         match &joint.drive {
             Some(drive) => &drive.value,
@@ -131,15 +130,15 @@ impl Default for At<String> {
     }
 }
 
-/// A rigid body. A field is `None` if the description does not contain it.
+/// A rigid body of a description. A field is `None` if the description does not contain it.
 #[derive(Debug, Clone)]
 pub(crate) struct BodyDescription {
     pub name: Name,
     pub link: Name,
     /// Pose of the body's frame in the frame of the link.
     pub origin: Option<Pose>,
-    /// Parts of the pose that this file does not give. If the file extends another description, these parts
-    /// keep the values of that description.
+    /// Parts of the body's pose that this file does not give. If the file extends another description, these
+    /// parts keep the values of that description.
     pub unsaid: Unsaid,
     pub mass: Option<At<Formula>>,
     pub center_of_mass: Option<[Formula; 3]>,
@@ -151,7 +150,7 @@ pub(crate) struct BodyDescription {
 }
 
 impl BodyDescription {
-    /// Centre of mass in the frame of the link [m].
+    /// Centre of mass of the body in the frame of the link (m).
     pub fn center_in_link(&self) -> [Formula; 3] {
         let center = self.center_of_mass.clone().unwrap_or([Formula::ZERO; 3]);
         match &self.origin {
@@ -160,7 +159,8 @@ impl BodyDescription {
         }
     }
 
-    /// Inertia about the centre of mass, in the axes of the link's frame [kg m²]: xx, xy, xz, yy, yz, zz.
+    /// Inertia of the body about its centre of mass, in the axes of the link's frame [kg m²]: xx, xy, xz, yy,
+    /// yz, zz.
     pub fn inertia_in_link(&self) -> [Formula; 6] {
         let inertia = self.inertia.clone().map_or([Formula::ZERO; 6], |inertia| inertia.value);
         match &self.origin {
@@ -170,7 +170,7 @@ impl BodyDescription {
     }
 }
 
-/// A joint. A field is `None` if the description does not contain it.
+/// A joint of a description. A field is `None` if the description does not contain it.
 #[derive(Debug, Clone)]
 pub(crate) struct JointDescription {
     pub name: Name,
@@ -178,15 +178,15 @@ pub(crate) struct JointDescription {
     pub parent: Option<Name>,
     pub child: Option<Name>,
     pub origin: Option<Pose>,
-    /// Parts of the pose that this file does not give. If the file extends another description, these parts
-    /// keep the values of that description.
+    /// Parts of the joint's pose that this file does not give. If the file extends another description, these
+    /// parts keep the values of that description.
     pub unsaid: Unsaid,
     /// Pose of the child link's frame in the frame that moves with the joint. The two frames differ only for
     /// standard Denavit–Hartenberg rows.
     pub link_frame: Option<Pose>,
     pub axis: Option<[f64; 3]>,
     pub held: Option<f64>,
-    /// Whether the motion of the joint is prescribed.
+    /// Whether the motion of the joint is prescribed, so that the joint is driven.
     pub driven: Option<At<bool>>,
     pub limits: LimitsDescription,
     pub springs: Option<At<Vec<Formula>>>,
@@ -194,12 +194,12 @@ pub(crate) struct JointDescription {
     pub drive: Option<At<DriveChoice>>,
     /// Joints that this joint follows, with ratios.
     pub follows: Option<At<Vec<FollowsDescription>>>,
-    /// Position of a follower when the joints that it follows are at position 0 [rad or m].
+    /// Position of this joint when the joints that it follows are at position 0 (rad or m).
     pub offset: Option<At<f64>>,
     /// The spherical or floating joint, if this entry is one of its velocities.
     pub part_of: Option<PartOf>,
-    /// Whether this entry is a part of a spherical or floating joint, but not its last part. The child link of
-    /// such a part is added by the generator and is not in the description.
+    /// Whether this entry is a part of a spherical or floating joint, but not its last part. The child link
+    /// of such a part is added by the generator and is not in the description.
     pub leads_on: bool,
 }
 
@@ -208,7 +208,7 @@ pub(crate) struct JointDescription {
 pub(crate) struct PartOf {
     pub joint: Name,
     pub kind: QuaternionKind,
-    /// Index of the velocity among the velocities of the joint.
+    /// Index of the velocity among the velocities of the spherical or floating joint.
     pub index: usize,
 }
 
@@ -223,14 +223,14 @@ pub(crate) struct FollowsDescription {
 #[derive(Debug, Clone)]
 pub(crate) struct SharedDriveDescription {
     pub name: Name,
-    /// Joints with weights. The motor's angle is the gear ratio times the weighted sum of the joints'
-    /// positions.
+    /// Joints on which the drive acts, with weights. The motor's angle is the gear ratio times the weighted
+    /// sum of the joints' positions.
     pub on: Vec<FollowsDescription>,
     pub motor: DriveDescription,
 }
 
 impl JointDescription {
-    /// A joint with only a name.
+    /// Creates a joint with a name and no other entries.
     pub fn named(name: Name) -> Self {
         Self {
             name,
@@ -264,8 +264,8 @@ impl JointDescription {
         self.moves() && self.follows.is_some()
     }
 
-    /// Whether the position of the joint is a coordinate: the joint moves independently of other joints and
-    /// is not driven.
+    /// Whether the position of the joint is a coordinate: the joint moves independently of other joints, and
+    /// its motion is not prescribed.
     pub fn is_coordinate(&self) -> bool {
         self.moves() && self.follows.is_none() && !self.is_driven()
     }
@@ -282,7 +282,7 @@ impl JointDescription {
     }
 }
 
-/// Friction law of a joint.
+/// Friction law of a joint in a description.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct FrictionDescription {
     /// Terms of the friction force or torque, functions of velocity and position.
@@ -292,13 +292,13 @@ pub(crate) struct FrictionDescription {
 }
 
 impl FrictionDescription {
-    /// Whether there is no friction.
+    /// Whether the friction law has no terms.
     pub fn is_empty(&self) -> bool {
         self.terms.is_empty() && self.load.is_none()
     }
 }
 
-/// Limits of a joint with their places in the file.
+/// Limits of a joint in a description, with their places in the file.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct LimitsDescription {
     pub position: Option<At<[f64; 2]>>,
@@ -310,7 +310,7 @@ pub(crate) struct LimitsDescription {
 }
 
 impl LimitsDescription {
-    /// Limits on magnitudes, each with its name in messages.
+    /// Limits on speed, force and other magnitudes, each with its name in messages.
     pub fn amounts(&self) -> [(&'static str, &Option<At<f64>>); 5] {
         [
             ("speed", &self.velocity),
@@ -322,19 +322,19 @@ impl LimitsDescription {
     }
 }
 
-/// Drive of a joint.
+/// Drive of a joint in a description: none, ideal, or a motor.
 #[derive(Debug, Clone, Default)]
 pub(crate) enum DriveChoice {
-    /// No drive.
+    /// The joint has no drive and no input.
     #[default]
     Passive,
-    /// A torque or force at the joint, without a rotor.
+    /// The input is a torque or force at the joint, without a rotor.
     Ideal,
-    /// A motor with gear and rotor.
+    /// The joint is driven by a motor with gear and rotor.
     Motor(Box<DriveDescription>),
 }
 
-/// A motor with gear and rotor.
+/// A motor with gear and rotor in a description.
 #[derive(Debug, Clone)]
 pub(crate) struct DriveDescription {
     pub name: Option<Name>,
@@ -347,16 +347,17 @@ pub(crate) struct DriveDescription {
     /// Location of the motor constant, or of the motor if the description has no motor constant.
     pub input_span: Span,
     pub torque: MotorTorque,
-    /// Highest speed of the motor's shaft [rad/s].
+    /// Highest speed of the motor's shaft (rad/s).
     pub speed: Option<At<f64>>,
     /// Torque–speed line from the stall torque to the no-load speed.
     pub line: Option<At<TorqueSpeedLine>>,
-    /// Terms of the shaft's friction, functions of the motor's angle and speed.
+    /// Friction terms of the motor's shaft, functions of the motor's angle and speed.
     pub friction: Option<At<Vec<FrictionTerm>>>,
 }
 
 impl DriveDescription {
-    /// A drive without a gear whose rotor adds `rotor_inertia` to the joint's diagonal entry of M.
+    /// A drive without a gear whose rotor adds `rotor_inertia` to the joint's diagonal entry of the mass
+    /// matrix.
     pub fn at_joint(rotor_inertia: At<Formula>) -> Self {
         let span = rotor_inertia.span;
         Self {
@@ -379,15 +380,15 @@ impl DriveDescription {
 /// A rotor of a URDF that was not assigned to a joint, with the possible joints and gear ratios.
 #[derive(Debug, Clone)]
 pub(crate) struct SkippedRotor {
-    /// Inertia about the rotor's axis, before the gear [kg m²].
+    /// Inertia about the rotor's axis, before the gear (kg m²).
     pub inertia: At<f64>,
     pub joints: Vec<String>,
     pub ratios: Vec<f64>,
 }
 
 impl SkippedRotor {
-    /// Name of the rotor's joint, and the rotor's entry on the diagonal of M (ratio² times inertia). `None` if
-    /// several joints or ratios are possible.
+    /// Name of the rotor's joint, and the inertia that the rotor adds to the diagonal of the mass matrix
+    /// (ratio² times rotor inertia). `None` if several joints or ratios are possible.
     pub fn place(&self) -> Option<(&str, f64)> {
         match (&self.joints[..], &self.ratios[..]) {
             ([joint], [ratio]) => Some((joint, ratio * ratio * self.inertia.value)),
@@ -400,18 +401,18 @@ impl SkippedRotor {
 #[derive(Debug, Clone)]
 pub(crate) struct PointForceDescription {
     pub name: Name,
-    /// Names of the two frames or links.
+    /// Names of the two frames or links between which the force acts.
     pub between: [Name; 2],
-    /// Force law, a function of the distance [m] and its rate [m/s].
+    /// Force law as a function of the distance between the frames (m) and its rate (m/s).
     pub law: Option<At<Formula>>,
     pub input: Option<PullDescription>,
-    /// Shortest and longest distance [m].
+    /// Shortest and longest distance between the frames (m).
     pub stroke: Option<At<[f64; 2]>>,
-    /// Highest rate of the distance [m/s].
+    /// Highest rate of the distance between the frames (m/s).
     pub speed: Option<At<f64>>,
 }
 
-/// An input that pulls two frames together.
+/// An input that is a force pulling two frames together.
 #[derive(Debug, Clone)]
 pub(crate) struct PullDescription {
     pub name: Name,
@@ -424,7 +425,7 @@ pub(crate) struct WrenchInputDescription {
     pub name: Name,
     /// Name of the frame or link at which the wrench acts.
     pub frame: Name,
-    /// Force [N], then moment about the frame's origin [N m], if the input is 1.
+    /// Force (N), then moment about the frame's origin (N m), if the input is 1.
     pub wrench: At<[Formula; 6]>,
     pub limits: Option<At<[f64; 2]>>,
 }
@@ -438,7 +439,7 @@ pub(crate) struct WrenchDescription {
     pub axes: WrenchAxes,
 }
 
-/// A named frame.
+/// A named frame in a description.
 #[derive(Debug, Clone)]
 pub(crate) struct FrameDescription {
     pub name: Name,

@@ -9,54 +9,58 @@ use super::recursion::motion::MotionInput;
 use crate::graph::{Cost, Edge, Scalar};
 use crate::spatial::Force;
 
-/// Accelerations of n coordinates with their derivatives.
+/// Accelerations of n coordinates y with their derivatives.
 #[derive(Debug, Clone)]
 pub struct AccelerationDerivatives<'g> {
-    /// Accelerations ÿ, n entries.
+    /// Accelerations ÿ of the n coordinates.
     pub accelerations: Vec<Scalar<'g>>,
-    /// Derivative ∂ÿ/∂y, n × n.
+    /// Derivative ∂ÿ/∂y of the accelerations, n × n.
     pub by_coordinates: Matrix<'g>,
-    /// Derivative ∂ÿ/∂ẏ, n × n.
+    /// Derivative ∂ÿ/∂ẏ of the accelerations, n × n.
     pub by_velocities: Matrix<'g>,
-    /// Inverse mass matrix M⁻¹, n × n.
+    /// Inverse mass matrix M⁻¹, n × n for n coordinates.
     pub inverse: Matrix<'g>,
 }
 
-/// Linearized accelerations `ÿ = A_y y + A_v ẏ + B_x u + c` with n coordinates y and m inputs u.
+/// Linearized accelerations `ÿ = A_y y + A_v ẏ + B_x u + c` with n coordinates y, their velocities ẏ and m
+/// inputs u.
 #[derive(Debug, Clone)]
 pub struct AffineAccelerations<'g> {
-    /// Matrix A_y = ∂ÿ/∂y, n × n.
+    /// Matrix A_y = ∂ÿ/∂y of the linearization, n × n for n coordinates.
     pub by_coordinates: Matrix<'g>,
-    /// Matrix A_v = ∂ÿ/∂ẏ, n × n.
+    /// Matrix A_v = ∂ÿ/∂ẏ of the linearization, n × n for n coordinates.
     pub by_velocities: Matrix<'g>,
-    /// Matrix B_x = ∂ÿ/∂u, n × m.
+    /// Matrix B_x = ∂ÿ/∂u of the linearization, n × m for n coordinates and m inputs.
     pub by_inputs: Matrix<'g>,
-    /// Affine remainder c, n entries.
+    /// Affine remainder c in `ÿ = A_y y + A_v ẏ + B_x u + c`, n entries.
     pub remainder: Vec<Scalar<'g>>,
 }
 
-/// Accelerations ÿ, the inverse mass matrix M⁻¹, and the forces `M ÿ + k − q` with derivatives. The
-/// derivatives of the accelerations are `∂ÿ = −M⁻¹ ∂(M ÿ + k − q)`, where ÿ is constant on the right-hand
-/// side.
+/// Accelerations ÿ, the inverse mass matrix M⁻¹, and the required forces `f = M ÿ + k − q` with derivatives.
+/// k are Coriolis forces, q applied forces. The derivatives of the accelerations are `∂ÿ = −M⁻¹ ∂f`, with ÿ
+/// constant in f.
 #[derive(Debug, Clone)]
 pub struct AcceleratedForces<'g> {
-    /// Accelerations ÿ, n entries.
+    /// Accelerations ÿ of the n coordinates.
     pub accelerations: Vec<Scalar<'g>>,
-    /// Inverse mass matrix M⁻¹, n × n.
+    /// Inverse mass matrix M⁻¹, n × n for n coordinates.
     pub inverse: Matrix<'g>,
-    /// Forces `M ÿ + k − q` at these accelerations, with derivatives with respect to y and ẏ at constant ÿ.
+    /// Required forces `M ÿ + k − q` at the accelerations ÿ, with derivatives with respect to y and ẏ at
+    /// constant ÿ. k are Coriolis forces, q applied forces.
     pub forces: ForceDerivatives<'g>,
 }
 
 impl<'g> Equations<'_, 'g> {
-    /// Accelerations `M⁻¹ (q + B u − k)`.
+    /// Accelerations `ÿ = M⁻¹ (q + B u − k)` for the inputs u, with the applied forces q and the Coriolis
+    /// forces k.
     pub fn forward_dynamics(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], u: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let route = self.formulations.forward_dynamics();
         let input = MotionInput { y, v, a: &self.unaccelerated() };
         route.accelerations(self.graph, self.formulations, input, || self.driving_forces(y, v, u))
     }
 
-    /// Accelerations `M⁻¹ (q + B u + Σ Jᵀ w − k)` under the wrenches w.
+    /// Accelerations `ÿ = M⁻¹ (q + B u + Σ Jᵀ w − k)` for the inputs u and wrenches w at frames with the
+    /// Jacobians J. q are the applied forces, k the Coriolis forces.
     pub fn forward_dynamics_with_wrenches(
         &self,
         y: &[Scalar<'g>],
@@ -70,8 +74,8 @@ impl<'g> Equations<'_, 'g> {
         route.accelerations(self.graph, self.formulations, input, driving)
     }
 
-    /// Accelerations under the wrenches `w`, with derivatives with respect to y, to ẏ and to the joint forces
-    /// (M⁻¹).
+    /// Accelerations under the wrenches `w`, with derivatives with respect to y, to ẏ and to joint forces
+    /// (the last derivative is M⁻¹).
     pub fn forward_dynamics_derivatives_with_wrenches(
         &self,
         y: &[Scalar<'g>],
@@ -82,7 +86,8 @@ impl<'g> Equations<'_, 'g> {
         self.acceleration_derivatives(y, v, u, Some(w))
     }
 
-    /// Accelerations with derivatives with respect to y, to ẏ and to the joint forces (M⁻¹).
+    /// Accelerations with derivatives with respect to y, to ẏ and to joint forces (the last derivative is
+    /// M⁻¹).
     pub fn forward_dynamics_derivatives(
         &self,
         y: &[Scalar<'g>],
@@ -92,8 +97,9 @@ impl<'g> Equations<'_, 'g> {
         self.acceleration_derivatives(y, v, u, None)
     }
 
-    /// Computes the accelerations ÿ, M⁻¹, and the forces `M ÿ + k − q` at these accelerations, together with the
-    /// derivatives of the forces with respect to y and ẏ at constant ÿ. The robot must have no driven joints.
+    /// Computes the accelerations ÿ, the inverse mass matrix M⁻¹, and the required forces `M ÿ + k − q` at
+    /// these accelerations. Also returns the derivatives of the forces with respect to y and ẏ at constant ÿ.
+    /// The robot must have no driven joints (with a prescribed motion).
     pub fn accelerated_forces(
         &self,
         y: &[Scalar<'g>],
@@ -151,8 +157,9 @@ impl<'g> Equations<'_, 'g> {
         }
     }
 
-    /// Whether products with M⁻¹ need at most as many operations as solutions with the factors of M. Products
-    /// are preferred at equal numbers, because their terms do not depend on each other.
+    /// Whether products with the inverse mass matrix need at most as many operations as solutions with the
+    /// factors of the mass matrix. Products win at equal numbers, because their terms do not depend on each
+    /// other.
     fn weighs_less_by_inverse(&self, factorization: &Factorization<'g>, inverse: &Matrix<'g>) -> bool {
         let right: Vec<_> = (0..inverse.len()).map(|k| self.graph.input(FREE, k)).collect();
         let weight = |results: Vec<Scalar<'g>>| {
@@ -192,9 +199,9 @@ impl<'g> Equations<'_, 'g> {
         AffineAccelerations { by_coordinates, by_velocities, by_inputs, remainder }
     }
 
-    /// Returns the driving forces if friction depends on the load or B depends on the positions. Otherwise
-    /// returns only the joint forces (springs, dampers and friction), because the other part `B u` has no
-    /// derivatives with respect to y and ẏ.
+    /// Returns the driving forces if friction depends on the load or the input matrix B depends on the
+    /// positions. Otherwise returns only the joint forces (springs, dampers and friction), because the
+    /// remaining forces `B u` do not depend on y and ẏ.
     fn driving_forces_by_motion(
         &self,
         y: &[Scalar<'g>],
@@ -207,8 +214,9 @@ impl<'g> Equations<'_, 'g> {
         }
     }
 
-    /// Derivatives of the driving forces with respect to the inputs: the matrix B, with each row divided by
-    /// the gain `1 + s₁ sign τ_l` of load-dependent friction (see [`load_friction`]).
+    /// Derivatives of the driving forces with respect to the inputs: the input matrix B, with each row
+    /// divided by the gain `1 + s₁ sign τ_l` of load-dependent friction. s₁ is the friction per unit of load,
+    /// and τ_l the load (the drive's force without friction).
     fn loads_by_inputs(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], u: &[Scalar<'g>]) -> Matrix<'g> {
         let matrix = self.input_matrix(y);
         let Some(shares) = self.load_shares(y, v) else {

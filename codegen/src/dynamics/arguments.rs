@@ -3,21 +3,22 @@
 use crate::graph::Scalar;
 use crate::spatial::Force;
 
-/// Arguments of a generated function. An argument that the function does not have is empty. The last entries
-/// of y, v and a belong to driven coordinates.
+/// Arguments of a generated function. Arguments that the function does not have are empty. The last entries
+/// of y, v and a belong to driven coordinates, whose motion is prescribed.
 pub struct Arguments<'g> {
-    /// Positions y, by coordinate.
+    /// Positions y of the coordinates.
     pub y: Vec<Scalar<'g>>,
-    /// Velocities ẏ.
+    /// Velocities ẏ of the coordinates.
     pub v: Vec<Scalar<'g>>,
-    /// Accelerations ÿ.
+    /// Accelerations ÿ of the coordinates.
     pub a: Vec<Scalar<'g>>,
-    /// Inputs u.
+    /// Inputs u: motor torques, motor currents, or forces at frames.
     pub u: Vec<Scalar<'g>>,
-    /// Multipliers λ of the forces in the Hessian of `λᵀ(M ÿ + k − q)`.
+    /// Multipliers λ of the generalized forces in the Hessian of `λᵀ(M ÿ + k − q)`, which is the Hessian of
+    /// the inverse dynamics.
     pub lambda: Vec<Scalar<'g>>,
-    /// Accelerations of the driven coordinates.
+    /// Prescribed accelerations of the driven coordinates.
     pub driven: Vec<Scalar<'g>>,
-    /// Wrenches w. The moment of a wrench is about the origin of the wrench's frame.
+    /// Wrenches w at frames. The moment of a wrench is about the origin of the wrench's frame.
     pub w: Vec<Force<'g>>,
 }

@@ -1,5 +1,5 @@
-//! Equations of motion of a robot as expressions of the graph. A formulation is one way to write the same
-//! equations. Each quantity is derived in the formulation with the fewest operations.
+//! Equations of motion of a robot as expressions of the graph. Each quantity is derived by the formulation
+//! with the fewest operations. A formulation is one way to write the same equations.
 
 use super::forces;
 use super::formulation::Formulation;
@@ -25,19 +25,20 @@ use gelenk_formula::Function;
 /// defined in [`crate::guide::conventions`].
 #[derive(Debug, Clone, Copy)]
 pub struct Equations<'a, 'g> {
-    /// Graph of all expressions.
+    /// Graph that contains all expressions.
     pub graph: &'g Graph,
-    /// Model of the robot.
+    /// Model of the robot whose equations are derived.
     pub model: &'a Model,
-    /// Cheapest formulation of each quantity.
+    /// Formulation with the fewest operations of each quantity, for example of the mass matrix.
     pub formulations: &'a Formulations<'a>,
-    /// Accelerations of the driven coordinates. These coordinates are the last entries of all vectors by
-    /// coordinate. Force vectors also have entries for them, as if they were free.
+    /// Prescribed accelerations of the driven coordinates. These coordinates are the last entries of all
+    /// vectors by coordinate. Force vectors also have entries for them, as if they were free.
     pub driven: &'a [Scalar<'g>],
 }
 
 impl<'g> Equations<'_, 'g> {
-    /// The mechanism on the graph, in metres and with the masses of the description.
+    /// The bodies, joints and rotors as expressions of the graph, in metres and with the masses of the
+    /// description.
     pub(super) fn mechanism(&self) -> Mechanism<Scalar<'g>> {
         self.formulations.mechanism().on(self.graph)
     }
@@ -46,13 +47,14 @@ impl<'g> Equations<'_, 'g> {
         vec![self.graph.constant(0.0); self.model.motion_count()]
     }
 
-    /// Acceleration vector with 0 for coordinates that are not driven, and with [`Self::driven`] for driven
-    /// coordinates.
+    /// Acceleration vector in which free coordinates have 0 and driven coordinates their prescribed
+    /// acceleration.
     pub fn unaccelerated(&self) -> Vec<Scalar<'g>> {
         self.with_driven(&self.zeros())
     }
 
-    /// Accelerations of all coordinates: `accelerations`, then the accelerations of the driven coordinates.
+    /// Accelerations of all coordinates: `accelerations` of the free ones, then the prescribed accelerations
+    /// of the others.
     pub(super) fn with_driven(&self, accelerations: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let own = &accelerations[..self.model.coordinates.len()];
         [own, self.driven].concat()
@@ -71,7 +73,7 @@ impl<'g> Equations<'_, 'g> {
         newton_euler::inverse_dynamics(&mechanism, formulation, input)
     }
 
-    /// Mass matrix `M(y)`.
+    /// Mass matrix `M(y)` at the coordinates y.
     pub fn mass_matrix(&self, y: &[Scalar<'g>]) -> Matrix<'g> {
         self.mass_matrix_by(self.formulations.mass_matrix(), y)
     }
@@ -84,8 +86,8 @@ impl<'g> Equations<'_, 'g> {
         )
     }
 
-    /// Mass matrix `M(y)` and bias forces `k − q_gravity`, with the forces q_gravity of gravity. The pair of
-    /// formulations has the smallest total number of operations.
+    /// Mass matrix `M(y)` and bias forces `k − q_gravity` (Coriolis forces k minus the generalized forces of
+    /// gravity). The two are derived by the pair of formulations with the fewest operations in total.
     pub fn mass_matrix_and_bias(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> (Matrix<'g>, Vec<Scalar<'g>>) {
         self.formulations.mass_matrix_and_bias(self.graph, MotionInput { y, v, a: &self.unaccelerated() })
     }
@@ -105,7 +107,7 @@ impl<'g> Equations<'_, 'g> {
         self.recursive(self.formulations.bias_forces(), input, false)
     }
 
-    /// Generalized forces q_gravity of gravity, a part of q.
+    /// Generalized forces of gravity, a part of the applied forces q.
     pub fn gravity_forces(&self, y: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let still = self.zeros();
         let held =
@@ -113,12 +115,13 @@ impl<'g> Equations<'_, 'g> {
         held.into_iter().map(|x| -x).collect()
     }
 
-    /// Bias forces `k − q_gravity`, with the generalized forces q_gravity of gravity.
+    /// Bias forces `k − q_gravity`: the Coriolis forces k minus the generalized forces of gravity.
     pub fn bias_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         self.bias_by(self.formulations.bias_forces(), y, v)
     }
 
-    /// Generalized forces of springs and dampers at joints and between frames, a part of q.
+    /// Generalized forces of springs and dampers at joints and between frames, a part of the applied forces
+    /// q.
     pub fn spring_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let at_joints = forces::spring_forces(self.graph, self.model, y, v);
         if self.model.point_forces.is_empty() {
@@ -147,7 +150,7 @@ impl<'g> Equations<'_, 'g> {
         matrix
     }
 
-    /// Generalized forces `Σ Jᵀ w` of the wrenches.
+    /// Generalized forces `Σ Jᵀ w` of wrenches w at frames with the Jacobians J.
     pub fn wrench_forces(&self, y: &[Scalar<'g>], w: &[Force<'g>]) -> Vec<Scalar<'g>> {
         self.frame_forces(y).wrench_forces(w)
     }
@@ -158,29 +161,33 @@ impl<'g> Equations<'_, 'g> {
         forces::friction_torques(self.graph, self.model, y, v)
     }
 
-    /// Generalized forces of springs, dampers and friction: `spring_forces − friction_torques`, a part of q.
+    /// Generalized forces of springs, dampers and friction: `spring_forces − friction_torques`, a part of the
+    /// applied forces q.
     pub fn joint_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         subtract(&self.spring_forces(y, v), &self.friction_torques(y, v))
     }
 
-    /// Applied forces `q = q_gravity + q_springs − τ` with the friction torques τ.
+    /// Applied forces `q = q_gravity + q_springs − τ`: forces of gravity and of springs, minus the friction
+    /// torques τ.
     pub fn applied_forces(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let joint = self.joint_forces(y, v);
         sum(&self.gravity_forces(y), &joint)
     }
 
-    /// Coefficients s₁ of load-dependent friction by coordinate; `None` if no joint has such friction.
+    /// Friction per unit of load by coordinate, without unit. The load is the drive's force without friction.
+    /// `None` if no joint has load-dependent friction.
     pub(super) fn load_shares(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Option<Vec<Scalar<'g>>> {
         load_friction::is_there(self.model).then(|| load_friction::shares(self.graph, self.model, y, v))
     }
 
-    /// Coefficients s₁(ẏ) of load-dependent friction by coordinate, without unit. The friction force is s₁
-    /// times the magnitude of the load. The load is the drive's force without friction.
+    /// Friction per unit of load s₁(ẏ) by coordinate, without unit. The load is the drive's force without
+    /// friction, and the friction force is s₁ times its magnitude.
     pub fn load_friction(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         load_friction::shares(self.graph, self.model, y, v)
     }
 
-    /// Inverse dynamics `B u = M ÿ + k − q`, including load-dependent friction.
+    /// Inverse dynamics `B u = M ÿ + k − q` with Coriolis forces k and applied forces q, including
+    /// load-dependent friction.
     pub fn inverse_dynamics(&self, y: &[Scalar<'g>], v: &[Scalar<'g>], a: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let bodies = self.recursive(self.formulations.inverse_dynamics(), MotionInput { y, v, a }, true);
         let Some(shares) = self.load_shares(y, v) else {
@@ -194,7 +201,7 @@ impl<'g> Equations<'_, 'g> {
     }
 
     /// Inverse dynamics `M ÿ + k − q` including load-dependent friction, with derivatives with respect to y
-    /// and ẏ, and with M.
+    /// and ẏ, and with the mass matrix M. k are Coriolis forces, q applied forces.
     pub fn inverse_dynamics_derivatives(&self, input: MotionInput<'_, 'g>) -> ForceDerivatives<'g> {
         let Some(shares) = self.load_shares(input.y, input.v) else {
             return self.remaining_derivatives(input, || self.joint_forces(input.y, input.v));
@@ -217,7 +224,8 @@ impl<'g> Equations<'_, 'g> {
         result
     }
 
-    /// `M ÿ + k − q_gravity` minus `joint_forces`, with derivatives with respect to y and ẏ, and M.
+    /// Inertial and Coriolis forces minus gravity, `M ÿ + k − q_gravity`, minus `joint_forces`. Also returns
+    /// the derivatives with respect to y and ẏ, and the mass matrix M.
     pub(super) fn remaining_derivatives(
         &self,
         input: MotionInput<'_, 'g>,
@@ -243,7 +251,8 @@ impl<'g> Equations<'_, 'g> {
         result
     }
 
-    /// Generalized forces `Σ Jᵀ w` of the wrenches, with derivatives with respect to y.
+    /// Generalized forces `Σ Jᵀ w` of wrenches w at frames with the Jacobians J, with derivatives with
+    /// respect to y.
     pub fn wrench_forces_derivatives(
         &self,
         y: &[Scalar<'g>],
@@ -252,7 +261,7 @@ impl<'g> Equations<'_, 'g> {
         self.with_derivatives(self.wrench_forces(y, w), y)
     }
 
-    /// Generalized forces `B u` of the inputs, with derivatives with respect to y.
+    /// Generalized forces `B u` of the inputs u, with derivatives with respect to the coordinates y.
     pub fn input_forces_derivatives(
         &self,
         y: &[Scalar<'g>],
@@ -261,7 +270,7 @@ impl<'g> Equations<'_, 'g> {
         self.with_derivatives(self.input_forces(y, u), y)
     }
 
-    /// Adds the derivatives with respect to y to given forces.
+    /// Returns the forces together with their derivatives with respect to y.
     fn with_derivatives(&self, forces: Vec<Scalar<'g>>, y: &[Scalar<'g>]) -> (Vec<Scalar<'g>>, Matrix<'g>) {
         let columns: Vec<Vec<_>> =
             (0..y.len()).map(|coordinate| self.along(&forces, y, coordinate)).collect();
@@ -271,13 +280,13 @@ impl<'g> Equations<'_, 'g> {
     }
 
     /// Derivatives of `results` along a coordinate. For joints with quaternions, they are derivatives along
-    /// small motions, which [`super::tangent`] defines.
+    /// small rotations and translations of the body.
     pub fn along(&self, results: &[Scalar<'g>], y: &[Scalar<'g>], coordinate: usize) -> Vec<Scalar<'g>> {
         differentiate_along(self.graph, self.model, results, y, coordinate)
     }
 
-    /// Derivatives of one result along all coordinates (see [`Self::along`]) and with respect to all
-    /// velocities, by reverse differentiation.
+    /// Derivatives of one result along all coordinates, as in [`Self::along`], and with respect to all
+    /// velocities. Uses reverse differentiation.
     pub fn gradient_along(
         &self,
         result: Scalar<'g>,
@@ -306,7 +315,8 @@ impl<'g> Equations<'_, 'g> {
         }
     }
 
-    /// Inverse dynamics `B u = M ÿ + k − q − Σ Jᵀ w` under the wrenches w.
+    /// Inverse dynamics `B u = M ÿ + k − q − Σ Jᵀ w` under wrenches w at frames with the Jacobians J. k are
+    /// Coriolis forces, q applied forces.
     pub fn inverse_dynamics_with_wrenches(
         &self,
         MotionInput { y, v, a }: MotionInput<'_, 'g>,
@@ -315,7 +325,8 @@ impl<'g> Equations<'_, 'g> {
         subtract(&self.inverse_dynamics(y, v, a), &self.wrench_forces(y, w))
     }
 
-    /// Inverse dynamics `M ÿ + k − q − Σ Jᵀ w` under the wrenches w, with derivatives with respect to y and ẏ, and M.
+    /// Inverse dynamics `M ÿ + k − q − Σ Jᵀ w` under wrenches w at frames with the Jacobians J. Also returns
+    /// the derivatives with respect to y and ẏ, and the mass matrix M.
     pub fn inverse_dynamics_derivatives_with_wrenches(
         &self,
         input: MotionInput<'_, 'g>,
@@ -330,7 +341,8 @@ impl<'g> Equations<'_, 'g> {
         result
     }
 
-    /// Whether each spring and friction force depends only on the motion of its own coordinate.
+    /// Whether the forces of springs and friction on each coordinate depend only on the motion of this
+    /// coordinate.
     pub(super) fn forces_are_local(&self) -> bool {
         let model = self.model;
         model.followers.is_empty()
@@ -340,20 +352,19 @@ impl<'g> Equations<'_, 'g> {
     }
 
     /// Matrix D in `δ̇ = D δ + v − v̄`. δ is the deviation from a motion with the velocities v̄, which are
-    /// the argument `v`; see [`super::tangent::drift`].
+    /// the argument `v`. D is zero in the rows of joints without quaternions.
     pub fn drift(&self, v: &[Scalar<'g>]) -> Matrix<'g> {
         drift(self.graph, self.model, v)
     }
 
-    /// Generalized forces `B u` of the inputs.
+    /// Generalized forces `B u` of the inputs u with the input matrix B.
     pub fn input_forces(&self, y: &[Scalar<'g>], u: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let matrix = self.input_matrix(y);
         let zero = self.graph.constant(0.0);
         matrix.iter().map(|row| row.iter().zip(u).fold(zero, |sum, (&b, &u)| sum + b * u)).collect()
     }
 
-    /// Driving forces: spring forces plus the drive forces that remain after subtracting friction from `B u`.
-    /// Gravity is not included.
+    /// Driving forces: spring forces, plus the drive forces `B u` minus friction. Gravity is not included.
     pub(super) fn driving_forces(
         &self,
         y: &[Scalar<'g>],
@@ -385,22 +396,22 @@ impl<'g> Equations<'_, 'g> {
         self.model.carrying_joints().into_iter().map(|joint| wrench(joint.moving.link)).collect()
     }
 
-    /// Regressor W of the inertial parameters π: `W π = M ÿ + k − q_gravity`.
+    /// Regressor W of the inertial parameters π: `W π = M ÿ + k − q_gravity`, the required forces without
+    /// springs and friction.
     pub fn inertial_regressor(&self, input: MotionInput<'_, 'g>) -> Matrix<'g> {
         regressor::inertial_regressor(&self.mechanism(), self.model, input)
     }
 
-    /// Regressor of the base parameters. Inertial parameters that act only as a sum form a group with a
-    /// leading parameter. The regressor has the columns of W (see [`Self::inertial_regressor`]) for the
-    /// leading parameters.
+    /// Regressor of the base parameters (identifiable combinations of inertial parameters). It has the
+    /// columns of [`Self::inertial_regressor`] for one leading parameter of each combination.
     pub fn base_regressor(&self, input: MotionInput<'_, 'g>) -> Matrix<'g> {
         let leaders = &self.formulations.base_parameters().leaders;
         let rows = self.inertial_regressor(input).into_iter();
         rows.map(|row| leaders.iter().map(|&column| row[column]).collect()).collect()
     }
 
-    /// Kinetic energy `½ ẏᵀ M ẏ` \[J\]. M ẏ is computed by the inverse dynamics at zero velocity with the
-    /// accelerations ẏ and without gravity.
+    /// Kinetic energy `½ ẏᵀ M ẏ` \[J\] with the mass matrix M. M ẏ is computed by the inverse dynamics at
+    /// zero velocity with the accelerations ẏ and without gravity.
     pub fn kinetic_energy(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Scalar<'g> {
         let formulation = self.formulations.inverse_dynamics();
         let momentum = self.recursive(formulation, MotionInput { y, v: &self.zeros(), a: v }, false);
@@ -421,12 +432,12 @@ impl<'g> Equations<'_, 'g> {
         self.frame_forces(y).law_energies().into_iter().fold(of_gravity, |sum, energy| sum + energy)
     }
 
-    /// Masses of the robot at the positions `y`, for its centre of mass and momentum.
+    /// Masses of the bodies at the positions `y`, from which centre of mass and momentum are computed.
     pub fn masses(&self, y: &[Scalar<'g>]) -> Masses<'g> {
         Masses::new(self.mechanism(), y)
     }
 
-    /// Product of a matrix row and the velocities.
+    /// Product of a matrix row and the velocities `v`.
     pub fn along_velocities(&self, row: &[Scalar<'g>], v: &[Scalar<'g>]) -> Scalar<'g> {
         dot(self.graph, row, v)
     }

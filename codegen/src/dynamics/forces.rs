@@ -6,7 +6,7 @@ use crate::model::{Drive, FrictionTerm, Input, Joint, Model, MovingJoint};
 use crate::program::{Instruction, Operation, Program};
 use gelenk_formula::{Formula, Function};
 
-/// Forces of springs and dampers at joints, by coordinate. They are a part of q.
+/// Forces of springs and dampers at joints, by coordinate. They are a part of the applied forces.
 pub fn spring_forces<'g>(
     graph: &'g Graph,
     model: &Model,
@@ -25,7 +25,7 @@ pub fn spring_forces<'g>(
     forces
 }
 
-/// A moving joint with its ratios as expressions of the graph.
+/// A moving joint, with its ratios to the coordinates as expressions of the graph.
 struct Moving<'m, 'g> {
     joint: &'m Joint,
     transmission: Transmission<Scalar<'g>>,
@@ -43,13 +43,13 @@ impl<'m, 'g> Moving<'m, 'g> {
     }
 }
 
-/// Position `G y + g₀` of a joint, with its ratios G to the coordinates y and its offset g₀.
+/// Position `G y + g₀` of a joint that follows coordinates y with the ratios G and the offset g₀.
 fn position<'g>(transmission: &Transmission<Scalar<'g>>, offset: f64, y: &[Scalar<'g>]) -> Scalar<'g> {
     let position = transmission.motion(y);
     if offset == 0.0 { position } else { position + position.constant(offset) }
 }
 
-/// An object with friction: a joint, or the shaft of a drive on several coordinates.
+/// An object with friction laws: a joint, or the shaft of a drive on several coordinates.
 struct Rubbing<'m, 'g> {
     name: &'m str,
     terms: &'m [FrictionTerm],
@@ -85,8 +85,8 @@ pub fn friction_depends_on_position(model: &Model) -> bool {
     terms.any(|term| term.basis.depends_on_position())
 }
 
-/// Friction torques τ by coordinate, without load-dependent friction. They are subtracted from the other
-/// terms of q.
+/// Friction torques τ by coordinate, without load-dependent friction. They are subtracted from the applied
+/// forces.
 ///
 /// - `y`: may be empty if no law depends on the position
 pub fn friction_torques<'g>(
@@ -142,7 +142,7 @@ impl<'g> Rubbing<'_, 'g> {
     }
 }
 
-/// A column of the friction regressor.
+/// A column of the friction regressor, the matrix of friction forces per unit of each friction coefficient.
 #[derive(Debug, Clone)]
 pub struct FrictionColumn<'g> {
     /// Coordinates on which the friction acts, with ratios. They are the coordinates that the joint or shaft
@@ -197,7 +197,7 @@ pub fn friction_names(model: &Model) -> Vec<String> {
     Rubbing::of(&Graph::new(), model).iter().flat_map(names).collect()
 }
 
-/// The distinct basis functions in order of appearance, each with its terms.
+/// The distinct basis functions of friction terms in order of appearance, each with its terms.
 fn terms_by_basis(terms: &[FrictionTerm]) -> Vec<(&Formula, Vec<&FrictionTerm>)> {
     let mut groups: Vec<(&Formula, Vec<&FrictionTerm>)> = Vec::new();
     for term in terms {
@@ -209,8 +209,8 @@ fn terms_by_basis(terms: &[FrictionTerm]) -> Vec<(&Formula, Vec<&FrictionTerm>)>
     groups
 }
 
-/// Columns of B for the drives, as a list of rows. An entry is the gear ratio times the weight of the
-/// coordinate. If the input is a current, the entry is also multiplied by the motor constant.
+/// Columns of the input matrix B for the drives, as a list of rows. An entry is the gear ratio times the
+/// weight of the coordinate. If the input is a current, the entry is also multiplied by the motor constant.
 pub fn drive_matrix<'g>(graph: &'g Graph, model: &Model) -> Vec<Vec<Scalar<'g>>> {
     let zero = graph.constant(0.0);
     let drives: Vec<_> = model.input_drives().collect();

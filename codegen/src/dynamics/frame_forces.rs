@@ -1,8 +1,8 @@
 //! Forces at frames: forces between two frames, and wrenches.
 //!
 //! A force F that pulls the origins of two frames together has the power −F l̇ with the distance l of the
-//! origins. Its generalized forces are therefore −F ∂l/∂y. The generalized forces of a wrench are Jᵀ times
-//! the force and moment, with the Jacobian J of its frame.
+//! origins. Its generalized forces are therefore −F ∂l/∂y. The generalized forces of a wrench are Jᵀ w with
+//! the force and moment w and the Jacobian J of its frame.
 
 use std::cell::LazyCell;
 
@@ -26,9 +26,9 @@ pub struct FrameForces<'a, 'g> {
 
 /// The distance l of the origins of two frames.
 struct Distance<'g> {
-    /// Distance l.
+    /// Distance l of the origins of two frames.
     length: Scalar<'g>,
-    /// Gradient ∂l/∂y.
+    /// Gradient ∂l/∂y of the distance l of two frames.
     gradient: Vec<Scalar<'g>>,
 }
 
@@ -52,7 +52,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         self.mechanism.graph
     }
 
-    /// Generalized forces of the force laws between frames (`[[forces]]`). They are a part of q.
+    /// Generalized forces of the force laws between frames (`[[forces]]`), a part of the applied forces.
     pub fn law_forces(&self, v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let mut forces = vec![self.graph().constant(0.0); self.y.len()];
         for force in &self.model.point_forces {
@@ -76,7 +76,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         self.model.point_forces.iter().filter_map(energy).collect()
     }
 
-    /// Columns of B for the inputs at frames. Each input has one list of entries by coordinate.
+    /// Columns of the input matrix B for the inputs at frames. Each column has one entry per coordinate.
     pub fn input_columns(&self) -> Vec<Vec<Scalar<'g>>> {
         let zero = self.graph().constant(0.0);
         let column = |input: &ForceInput| {
@@ -93,7 +93,8 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         self.model.force_inputs.iter().map(column).collect()
     }
 
-    /// Generalized forces `Σ Jᵀ w` of wrenches that are arguments of functions.
+    /// Generalized forces `Σ Jᵀ w` of wrenches w that are arguments of functions. J is the Jacobian of the
+    /// wrench's frame.
     pub fn wrench_forces(&self, wrenches: &[Force<'g>]) -> Vec<Scalar<'g>> {
         let mut forces = vec![self.graph().constant(0.0); self.y.len()];
         let described = self.model.wrenches.iter().zip(wrenches);
@@ -135,8 +136,8 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         }
     }
 
-    /// Vector along a joint's axis, from the end of the placement's translation to the body's origin, in the body's
-    /// frame.
+    /// Vector along a joint's axis to the body's origin, in the body's frame. It begins at the end of the
+    /// translation from the parent.
     fn lift(&self, body: usize) -> Vector3<Scalar<'g>> {
         let zero = self.graph().constant(0.0);
         Vector3([zero, zero, self.placements[body].extension])
@@ -152,12 +153,12 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         Place { body, point: pose.translation }
     }
 
-    /// The body and all its ancestors, up to the base.
+    /// The body and all its ancestors, in the order towards the base.
     fn chain(&self, body: Option<usize>) -> Vec<usize> {
         std::iter::successors(body, |&body| self.mechanism.bodies[body].parent).collect()
     }
 
-    /// Transforms a point from the frame of a body to the frame of the parent.
+    /// Transforms a point from the frame of a body to the frame of the body's parent.
     fn in_parent(&self, body: usize, point: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let placement = &self.placements[body];
         placement.translation
@@ -175,7 +176,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         point
     }
 
-    /// The squared distance l² and the distance l.
+    /// The squared distance l² and the distance l of the origins of two frames.
     fn length(&self, between: &[Attachment; 2], name: &str) -> (Scalar<'g>, Scalar<'g>) {
         let squared = self.squared_distance(between.each_ref().map(|at| self.place(at)));
         (squared, squared.call(Function::Sqrt).named(|| format!("length_{name}")))
@@ -194,9 +195,11 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         Distance { length, gradient: gradient.collect() }
     }
 
-    /// The squared distance l². It is computed across the first joint after the last body that both paths
-    /// from the base have in common. If this joint is revolute with the rotation R, then l² = |α|² + |β|² − 2
-    /// α · R β, with the points α before and β after the rotation, relative to the joint's axis.
+    /// The squared distance l² of two points. It is computed across the first joint after the last body that
+    /// both paths from the base have in common.
+    ///
+    /// If this joint is revolute with the rotation R, then `l² = |α|² + |β|² − 2 α · R β`. α and β are the
+    /// points before and after the rotation, relative to the joint's axis.
     fn squared_distance(&self, [a, b]: [Place<'g>; 2]) -> Scalar<'g> {
         let (of_a, of_b) = (self.chain(a.body), self.chain(b.body));
         let top = |chain: &[usize], other: &[usize]| {
@@ -232,13 +235,13 @@ impl<'a, 'g> FrameForces<'a, 'g> {
 }
 
 impl<'g> Distance<'g> {
-    /// Rate of the distance, `∂l/∂y ẏ`.
+    /// Rate `∂l/∂y ẏ` of the distance l of two frames.
     fn rate(&self, v: &[Scalar<'g>]) -> Scalar<'g> {
         let zero = self.length.constant(0.0);
         self.gradient.iter().zip(v).fold(zero, |sum, (&by, &v)| sum + by * v)
     }
 
-    /// Adds the generalized forces `−F ∂l/∂y` of a force F that pulls the origins together.
+    /// Adds the generalized forces `−F ∂l/∂y` of a force F that pulls two frames at the distance l together.
     fn add_pull(&self, pull: Scalar<'g>, forces: &mut [Scalar<'g>]) {
         for (force, &by) in forces.iter_mut().zip(&self.gradient) {
             *force = *force - pull * by;

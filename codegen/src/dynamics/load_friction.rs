@@ -28,7 +28,8 @@ pub fn is_there(model: &Model) -> bool {
     model.joints().any(|joint| !joint.load_friction.is_empty())
 }
 
-/// Coefficients s₁ of load-dependent friction (see [`super::load_friction`]) by coordinate, without unit.
+/// Coefficients s₁ of load-dependent friction `|τ_l| s₁` by coordinate, without unit. The load τ_l is the
+/// drive's force without friction.
 pub fn shares<'g>(graph: &'g Graph, model: &Model, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
     let joints = model.joints().enumerate();
     let share =
@@ -42,13 +43,14 @@ pub fn friction<'g>(load: Scalar<'g>, share: Scalar<'g>) -> Scalar<'g> {
     load.call(Function::Abs) * share
 }
 
-/// Derivative `1 + s₁ sign τ_l` of the drive's force with respect to the load τ_l. `load` may also be the
-/// drive's force minus the friction s₀ without load, because both have the same sign.
+/// Derivative `1 + s₁ sign τ_l` of the drive's force with respect to the load τ_l, with `share` = s₁. `load`
+/// may also be the drive's force minus the friction without load, because both have the same sign.
 pub fn gain<'g>(load: Scalar<'g>, share: Scalar<'g>) -> Scalar<'g> {
     load.constant(1.0) + share * load.call(Function::Sign)
 }
 
-/// Load τ_l, computed from `exerted`, the drive's force minus the friction s₀ without load.
+/// Load τ_l of a joint, the drive's force without friction. `exerted` is the drive's force minus the friction
+/// without load.
 pub fn load<'g>(exerted: Scalar<'g>, share: Scalar<'g>) -> Scalar<'g> {
     exerted.divided_by(gain(exerted, share))
 }

@@ -1,8 +1,8 @@
-//! Matrices of any size over the expression graph.
+//! Vectors and matrices of any size with expressions of the graph as entries.
 
 use crate::graph::{Graph, Scalar, differentiate};
 
-/// A matrix over the graph, as a list of rows.
+/// A matrix of expressions of the graph, as a list of rows.
 pub type Matrix<'g> = Vec<Vec<Scalar<'g>>>;
 
 /// Index of the input array for auxiliary variables of differentiation. This array is not an argument of any
@@ -15,17 +15,17 @@ pub fn jacobian<'g>(graph: &'g Graph, results: &[Scalar<'g>], variables: &[Scala
     (0..results.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect()
 }
 
-/// Sum of two vectors.
+/// Sum `a + b` of two vectors of equal length.
 pub fn sum<'g>(a: &[Scalar<'g>], b: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
     a.iter().zip(b).map(|(&a, &b)| a + b).collect()
 }
 
-/// Difference `a − b` of two vectors.
+/// Difference `a − b` of two vectors of equal length.
 pub fn subtract<'g>(a: &[Scalar<'g>], b: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
     a.iter().zip(b).map(|(&a, &b)| a - b).collect()
 }
 
-/// Scalar product of two vectors.
+/// Scalar product `a · b` of two vectors of equal length.
 pub fn dot<'g>(graph: &'g Graph, a: &[Scalar<'g>], b: &[Scalar<'g>]) -> Scalar<'g> {
     a.iter().zip(b).fold(graph.constant(0.0), |sum, (&a, &b)| sum + a * b)
 }

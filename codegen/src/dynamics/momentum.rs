@@ -2,8 +2,8 @@
 //!
 //! Column j of the centroidal momentum matrix is the momentum of all bodies beyond joint j for a unit of this
 //! joint's velocity. Let m, h = ∫ r dm and Σ = ∫ r rᵀ dm be the mass and the moments of these bodies about a
-//! point o of the joint, and (ω, v) the unit motion at o. Then the linear momentum p and the angular momentum
-//! L about c are
+//! point o of the joint. Let (ω, v) be the unit motion at o. Then the linear momentum p and the angular
+//! momentum L about c are
 //!
 //! ```text
 //! p = m v + ω × h          L = (tr Σ − Σ) ω + h × v + (o − c) × p
@@ -34,20 +34,21 @@ impl<'g> Masses<'g> {
         Self { mechanism, plain, y: y.to_vec() }
     }
 
-    /// Total mass of the moving bodies [kg].
+    /// Total mass of the moving bodies (kg).
     fn total(&self) -> Scalar<'g> {
         let zero = self.mechanism.graph.constant(0.0);
         self.mechanism.bodies.iter().fold(zero, |sum, body| sum + body.moments.mass)
     }
 
-    /// Centre of mass c in the base frame \[m\].
+    /// Centre of mass of the moving bodies in the base frame \[m\].
     pub fn center(&self) -> Vector3<Scalar<'g>> {
         let first = composite::first_moment(&self.mechanism, &self.plain, &self.y);
         let total = self.total();
         first.map(|x| x.divided_by(total)).named("center_of_mass")
     }
 
-    /// Momentum about c for a unit of each velocity. The six rows are linear, then angular momentum.
+    /// Momentum about the robot's centre of mass for a unit of each velocity. The six rows are linear, then
+    /// angular momentum.
     fn columns(&self) -> Vec<Vec<Scalar<'g>>> {
         let mechanism = &self.mechanism;
         let placements = place(mechanism, &self.plain, &self.y);
@@ -82,8 +83,8 @@ impl<'g> Masses<'g> {
         self.columns()
     }
 
-    /// Jacobian ∂c/∂y of the centre of mass, 3 × n. For joints with quaternions, the derivatives are along
-    /// small motions.
+    /// Jacobian ∂c/∂y of the centre of mass c, 3 × n for n velocities. For joints with quaternions, the
+    /// derivatives are along small motions.
     pub fn center_jacobian(&self) -> Matrix<'g> {
         let total = self.total();
         let rows = self.columns().into_iter().take(3);

@@ -11,7 +11,8 @@ use crate::kinematics::{PositionEntries, position_entries};
 use crate::model::{Model, QuaternionJoint, QuaternionKind};
 use crate::spatial::{Attitude, Vector3};
 
-/// Derivatives of `results` along one coordinate.
+/// Derivatives of `results` along small motions of one coordinate. For a coordinate without a quaternion,
+/// they are the partial derivatives.
 ///
 /// - `y`: positions by coordinate
 pub fn differentiate_along<'g>(
@@ -37,8 +38,8 @@ pub fn differentiate_along<'g>(
     sum
 }
 
-/// Derivatives of one result along all coordinates, and with respect to all velocities, by reverse
-/// differentiation.
+/// Derivatives of one result along small motions of all coordinates, and with respect to all velocities. Uses
+/// reverse differentiation.
 pub fn gradient_along<'g>(
     graph: &'g Graph,
     model: &Model,
@@ -95,9 +96,10 @@ fn rates<'g>(
 }
 
 /// Matrix D in `δ̇ = D δ + v − v̄`. δ is the deviation from a motion with the velocities v̄, which are the
-/// argument `v`. The rows of a joint with a quaternion contain `−ad_v`, the other rows are 0. For a floating
-/// joint with the linear velocity l and the angular velocity ν, `−ad_v` is the matrix with the rows (−ν×,
-/// −l×) and (0, −ν×). For a spherical joint it is −ν×.
+/// argument `v`. D is 0 in the rows of joints without quaternions.
+///
+/// - floating joint with the linear velocity l and the angular velocity ν: rows (−ν×, −l×) and (0, −ν×)
+/// - spherical joint with the angular velocity ν: −ν×
 pub fn drift<'g>(graph: &'g Graph, model: &Model, v: &[Scalar<'g>]) -> Vec<Vec<Scalar<'g>>> {
     let n = v.len();
     let mut matrix = vec![vec![graph.constant(0.0); n]; n];

@@ -3,7 +3,7 @@
 use crate::program::Operand;
 use crate::program::arrays::{Arrays, Coordinates, Over, Relation, Step};
 
-/// Lengths of the rows of arrays. Rows are padded to whole blocks of SIMD width.
+/// Lengths of the rows of arrays over joints. Rows are padded to whole blocks of SIMD width.
 #[derive(Clone, Copy)]
 pub(super) struct Row {
     /// Number of entries of a row over joints, including padding.
@@ -11,7 +11,7 @@ pub(super) struct Row {
     /// Number of entries of a row over coordinates, including padding. It is equal to `len` if each joint is
     /// independent.
     pub(super) coordinates: usize,
-    /// Number of entries of a block of SIMD width.
+    /// Number of array entries that are computed at once in one SIMD block: 4 or 8.
     pub(super) block: usize,
     /// Whether the joints are a chain without quaternions, in which each joint is on the body of the previous
     /// joint.
@@ -52,7 +52,7 @@ impl Row {
     }
 }
 
-/// Beginning of the comment about a function's setup, which is its straight-line code before the loops.
+/// Beginning of the comment about the straight-line code that a function runs before its loops.
 pub(super) fn about_setup(form: &Arrays) -> &'static str {
     match form.steps.iter().any(|step| matches!(step, Step::Map(_))) {
         true => "Poses and single joints of",
@@ -60,7 +60,7 @@ pub(super) fn about_setup(form: &Arrays) -> &'static str {
     }
 }
 
-/// Entries of an array of the setup if all entries are constant; otherwise `None`.
+/// Entries of an array that is computed before the loops, if all of them are constant; otherwise `None`.
 pub(super) fn table(form: &Arrays, array: usize) -> Option<Vec<f64>> {
     let output = form.setup.outputs.get(array)?;
     let constant = |entry: &Operand| match entry {
@@ -70,7 +70,7 @@ pub(super) fn table(form: &Arrays, array: usize) -> Option<Vec<f64>> {
     output.entries.iter().map(constant).collect()
 }
 
-/// Whether an array is a matrix that no step reads, so that it can be written directly to the result.
+/// Whether an array is a matrix that no loop reads, so that it can be written directly to the result.
 pub(super) fn is_only_result(form: &Arrays, array: usize) -> bool {
     let is_made = |step: &Step| match step {
         Step::Pairs(pairs) => pairs.to == array,
@@ -81,7 +81,7 @@ pub(super) fn is_only_result(form: &Arrays, array: usize) -> bool {
 }
 
 /// Relation of joint j to joint i: −1 if j is on the path from i to the base, 1 if j is i or beyond i,
-/// otherwise 0. For the padding of a row it is 0.
+/// otherwise 0. For the padding entries of a row it is 0.
 pub(super) fn relation(form: &Arrays, i: usize, j: usize) -> i8 {
     if j >= form.joints.len() {
         return 0;

@@ -7,26 +7,28 @@ use crate::layout::Extent;
 use crate::model::Parameter;
 use crate::module::{ComposedFunction, Module};
 
-/// A block of documentation. The Markdown is written by the generator and does not come from a description.
+/// A paragraph, list item or empty line of documentation. The Markdown is written by the generator and does
+/// not come from a description.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Block {
     /// A paragraph, after an empty line.
     Paragraph(String),
-    /// A list item.
+    /// An item of a list, without its dash.
     Item(String),
-    /// An empty line.
+    /// An empty line of documentation.
     Gap,
 }
 
-/// Labels of arguments and results in the syntax of a language. A label consists of the name and the shape.
+/// Names and shapes of a function's arguments and results in the syntax of a language, for example ``
+/// `y: [N]` ``.
 pub(super) struct Labels {
     /// Labels of the arguments, for example `` `y: [N]` ``.
     pub(super) arguments: Vec<String>,
-    /// Whether the free parameters are an argument.
+    /// Whether the free parameters are an argument of the function.
     pub(super) has_parameters: bool,
     /// Labels of the results, for example ``returns `M: [N × N]` ``.
     pub(super) results: Vec<String>,
-    /// Sentence about the stack size, after the operation count; `None` for Rust.
+    /// Sentence about the function's stack size, after the operation count; `None` for Rust.
     pub(super) stack: Option<String>,
 }
 
@@ -47,7 +49,7 @@ pub(super) fn shape_text(extents: &[Extent]) -> String {
     lengths.collect::<Vec<_>>().join(" × ")
 }
 
-/// Documentation of a function.
+/// Documentation of a function with the given names and shapes of arguments and results.
 pub(super) fn of_function(function: &Function, labels: &Labels) -> Vec<Block> {
     let mut blocks = vec![Block::Paragraph(function.summary.clone())];
     if !function.equation.trim().is_empty() {
@@ -70,7 +72,8 @@ pub(super) fn of_function(function: &Function, labels: &Labels) -> Vec<Block> {
     blocks
 }
 
-/// Documentation of a function over a sample time. All arguments except the period have one label in common.
+/// Documentation of a function over a sample time, for example `step`. All arguments except the period have
+/// one label in common.
 pub(super) fn of_composition(composed: &ComposedFunction, labels: &Labels) -> Vec<Block> {
     let function = composed.composition;
     let mut blocks = vec![
@@ -100,7 +103,8 @@ pub(super) fn state_label(module: &Module) -> String {
     format!("`y: [{y}]`, `v: [N]`, `u: [M]`")
 }
 
-/// Documentation of a function of positions. The labels already include the meanings.
+/// Documentation of a function of positions with quaternions, for example `integrate`. The labels already
+/// include the meanings.
 pub(super) fn of_position_function(function: PositionFunction, labels: &Labels) -> Vec<Block> {
     let mut blocks = vec![
         Block::Paragraph(function.summary().to_owned()),
@@ -112,7 +116,7 @@ pub(super) fn of_position_function(function: PositionFunction, labels: &Labels) 
     blocks
 }
 
-/// Documentation of a constant.
+/// Documentation of a constant of the module.
 pub(super) fn of_constant(constant: &Constant) -> Vec<Block> {
     let mut blocks = vec![Block::Paragraph(constant.summary.clone())];
     if !constant.items.is_empty() {
@@ -152,7 +156,8 @@ fn sentence(parts: [&str; 3]) -> String {
     parts.collect::<Vec<_>>().join(": ")
 }
 
-/// Text of the entries with their units. Adjacent entries with the same unit are followed by one unit.
+/// Text of the entries of an argument with their units. Adjacent entries with the same unit are followed by
+/// one unit.
 fn list(entries: &[(String, &'static str)]) -> String {
     let shown = entries.iter().enumerate().map(|(i, (name, unit))| {
         let is_last_of_unit = entries.get(i + 1).is_none_or(|(_, next)| next != unit);

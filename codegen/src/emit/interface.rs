@@ -5,12 +5,12 @@ use crate::layout::Extent;
 /// Functions and free parameters of a module, with their names in C.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Interface {
-    /// Prefix of the names of functions and types, without the `_` that follows it. Constants have the prefix
-    /// in capitals.
+    /// Prefix of the names of functions and types in C, without the `_` that follows it. Constants have the
+    /// prefix in capitals.
     pub prefix: String,
     /// Names of the free parameters, in the order of the struct's fields.
     pub parameters: Vec<String>,
-    /// Functions in the order of the module.
+    /// Functions in the order in which the module defines them.
     pub functions: Vec<Callable>,
 }
 
@@ -18,51 +18,52 @@ pub struct Interface {
 /// the results.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Callable {
-    /// Name of the function without the prefix.
+    /// Name of the function without the prefix of the module.
     pub name: String,
-    /// First line of the documentation.
+    /// First line of the function's documentation.
     pub summary: String,
     /// Equation of the function in Unicode; may be empty.
     pub equation: String,
-    /// Arguments, without the free parameters and results.
+    /// Arguments of the function, without the free parameters and results.
     pub arguments: Vec<Argument>,
-    /// Results of the function.
+    /// Results of the function, with names, shapes and meanings.
     pub results: Vec<Written>,
     /// Whether the function takes the free parameters. Functions that only take positions do not take them.
     pub takes_parameters: bool,
     /// Whether the only result is a number that the function returns.
     pub returns_number: bool,
-    /// Name of the version for eight states at once, without the prefix; `None` if there is no such version.
+    /// Name of the function for eight states at once, without the prefix; `None` if there is no such
+    /// function.
     pub lanes: Option<String>,
-    /// Sentence about the number of operations.
+    /// Sentence about the number of operations of the function.
     pub cost: String,
-    /// Notes on method, limits and sources.
+    /// Notes on method, limits and sources of the function.
     pub notes: Vec<String>,
 }
 
-/// An argument of a function.
+/// An argument of a C function.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Argument {
-    /// Name of the argument.
+    /// Name of the argument in C.
     pub name: String,
     /// Lengths of the array, outermost first; empty for a number that is passed by value.
     pub extents: Vec<Extent>,
-    /// Meaning with unit and frame.
+    /// Meaning of the argument, with unit and frame.
     pub meaning: String,
-    /// Name and unit of each entry; empty if the entries have no separate names.
+    /// Name and unit of each entry of the argument; empty if the entries have no separate names.
     pub entries: Vec<(String, String)>,
 }
 
-/// A result of a function.
+/// A result of a C function.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Written {
-    /// Name of the result.
+    /// Name of the result in C.
     pub name: String,
-    /// Symbol of the result in formulas.
+    /// Symbol of the result in formulas, for example `∂ÿ/∂y`.
     pub symbol: String,
     /// Lengths of the array, outermost first; empty for a number.
     pub extents: Vec<Extent>,
-    /// Meaning with unit and frame.
+    /// Meaning of the result, with unit and frame.
     pub meaning: String,
 }
 

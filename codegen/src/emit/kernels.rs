@@ -8,7 +8,8 @@ use super::options::Scalar;
 use crate::functions::function::Function;
 use crate::program::Operation;
 
-/// Returns the kernel for the number type. `kernels` contains the kernel for f64, then the kernel for f32.
+/// Returns the elementary function for the number type. `kernels` contains the function for f64, then the
+/// function for f32.
 pub(super) fn of_scalar(kernels: [Kernel; 2], scalar: Scalar) -> Kernel {
     match scalar {
         Scalar::F64 => kernels[0],
@@ -16,7 +17,7 @@ pub(super) fn of_scalar(kernels: [Kernel; 2], scalar: Scalar) -> Kernel {
     }
 }
 
-/// Kernels for sines and cosines of 2, 4 or 8 angles, for f64 and for f32.
+/// Elementary functions for sines and cosines of `lanes` = 2, 4 or 8 angles, for f64 and for f32.
 pub(super) fn sin_cos_of(lanes: usize) -> [Kernel; 2] {
     match lanes {
         2 => [Kernel::SinCos2, Kernel::SinCos2F32],
@@ -31,7 +32,7 @@ pub(super) fn are_fused(functions: &[Function]) -> bool {
     instructions.into_iter().any(|instruction| matches!(instruction.operation, Operation::MultiplyAdd(..)))
 }
 
-/// The called kernels and all kernels that they call, in the order of definition.
+/// The called elementary functions and all functions that they call, in the order of definition.
 pub(super) fn needed(called: &BTreeSet<Kernel>) -> BTreeSet<Kernel> {
     let mut needed = BTreeSet::new();
     for &kernel in called {

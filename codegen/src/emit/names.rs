@@ -6,13 +6,13 @@
 use crate::distinct::Distinct;
 use crate::program::{Program, letters};
 
-/// Rules for identifiers of a language.
+/// Rules for identifiers of a programming language.
 pub(super) struct Spelling {
-    /// Words that are not identifiers, in sorted order.
+    /// Words that must not be identifiers, in sorted order.
     pub(super) keywords: &'static [&'static str],
     /// Whether the language allows identifiers such as `_x` and `a__b`, which C reserves.
     pub(super) has_free_underscores: bool,
-    /// Prefixes that identifiers must not have.
+    /// Prefixes with which identifiers must not begin.
     pub(super) prefixes: Vec<String>,
 }
 
@@ -87,13 +87,13 @@ impl Spelling {
     }
 }
 
-/// Names in the body of a function.
+/// Names of arguments, results and values in the body of a function.
 pub(super) struct ProgramNames {
-    /// Names of the input arrays.
+    /// Names of the function's input arrays.
     pub(super) arguments: Vec<String>,
-    /// Names of the results; empty if the results are not arguments.
+    /// Names of the arguments that receive results; empty if the function returns its results.
     pub(super) results: Vec<String>,
-    /// Name of the value of each instruction.
+    /// Name of the value that each instruction computes.
     pub(super) values: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! Options of the printer.
+//! Options for printing modules: language, number type, names and additional files.
 
 use super::interface::Interface;
 
@@ -12,22 +12,22 @@ use super::interface::Interface;
 /// need 4 s and 490 MB. In these builds, parts of shorter functions are inlined, which does not nest scopes.
 const LONGEST_FUNCTION: usize = 2_000;
 
-/// Options of the printer.
+/// Options for printing a module.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EmitOptions {
-    /// Language of the module.
+    /// Programming language of the module.
     pub language: Language,
     /// Additional files for tools that call C modules.
     pub companions: Vec<Companion>,
     /// Name of the module. The files have this name, and in C it is also the prefix of all names. If `None`,
     /// the name is made from the robot's name.
     pub name: Option<String>,
-    /// Number type of all functions and constants.
+    /// Number type of all functions and constants of the module.
     pub scalar: Scalar,
-    /// Command that regenerates the file. The comment at the top of the file contains it. It must not contain
-    /// absolute paths.
+    /// Command that regenerates the module. The comment at the top of each file contains it. It must not
+    /// contain absolute paths.
     pub command: String,
-    /// Largest number of statements of a function. Longer programs are split into private functions.
+    /// Largest number of statements of a printed function. Longer programs are split into private functions.
     /// Straight-line functions in C may have five times this number of statements.
     pub longest_function: usize,
 }
@@ -45,16 +45,17 @@ impl Default for EmitOptions {
     }
 }
 
-/// The text of a generated module.
+/// The text of a generated module and of its additional files.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourceFile {
-    /// Name of the module. The file is `<name>.rs` or `<name>.c`.
+    /// Name of the module. Its file is `<name>.rs` or `<name>.c`.
     pub name: String,
-    /// Text of the module.
+    /// Text of the file `<name>.rs` or `<name>.c`.
     pub text: String,
-    /// Text of `<name>.h`; `None` for a Rust module.
+    /// Text of the header `<name>.h`; `None` for a Rust module.
     pub header: Option<String>,
-    /// Additional files. Each entry has the suffix that follows the module's name, and the text.
+    /// Files for acados, CasADi and Python. Each entry has the suffix that follows the module's name, and the
+    /// text.
     pub companions: Vec<(&'static str, String)>,
     /// Signatures and documentation of the functions; `None` for a Rust module.
     pub interface: Option<Interface>,
@@ -108,7 +109,7 @@ pub enum Scalar {
 }
 
 impl Scalar {
-    /// Name of the type in Rust.
+    /// Name of the number type in Rust: `f64` or `f32`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

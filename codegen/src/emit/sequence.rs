@@ -1,24 +1,25 @@
-//! Assigns instructions to statements. Each instruction has one statement, but one call may compute the sines
-//! and cosines of several angles.
+//! Assigns the instructions of a function to printed statements. Each instruction has one statement, but one
+//! call may compute the sines and cosines of several angles.
 
 use crate::program::flow::Flow;
 use crate::program::{Operand, Operation, Program};
 
-/// Instructions that are printed together.
+/// Instructions of a function that are printed together, and their statements.
 pub(super) struct Group<'i> {
-    /// Indices of the instructions, in order.
+    /// Indices of the group's instructions, in the order of the program.
     pub(super) instructions: &'i [usize],
-    /// The statements, in order.
+    /// The statements of the group, in order.
     pub(super) runs: Vec<Run>,
 }
 
-/// A statement.
+/// A printed statement for one or several instructions.
 pub(super) enum Run {
-    /// The statement of the instruction with this index: for one value, or for sine and cosine of one angle.
+    /// The statement of the instruction with this index, which computes one value, or sine and cosine of one
+    /// angle.
     One(usize),
     /// A call that computes sines and cosines of several angles.
     Angles {
-        /// Indices of the instructions, with their angles.
+        /// Indices of the instructions that the call replaces, with their angles.
         batch: Vec<(usize, Operand)>,
         /// Number of angles of the call: 2, 4 or 8.
         lanes: usize,
@@ -63,9 +64,10 @@ fn leading_angles(program: &Program, flow: &Flow, instructions: &[usize]) -> usi
     instructions.iter().take_while(is_early).count()
 }
 
-/// Divides angles into calls for up to eight angles, which the processor computes at once in registers. With
-/// AVX2, seven angles took 22 ns in one padded call for eight angles, 31 ns in calls for 4, 2 and 1 angles,
-/// and 54 ns in seven calls.
+/// Divides angles into calls for up to eight angles, which the processor computes at once in registers.
+///
+/// Times for seven angles with AVX2: 22 ns in one padded call for eight angles, 31 ns in calls for 4, 2 and 1
+/// angles, and 54 ns in seven calls.
 fn runs(program: &Program, instructions: &[usize]) -> Vec<Run> {
     let angle = |&index: &usize| match program.instructions[index].operation {
         Operation::SinCos(angle) => Some((index, angle)),

@@ -3,8 +3,8 @@
 /// Largest number of characters of a line of documentation.
 const WIDTH: usize = 110;
 
-/// Escapes control characters and invisible characters, for example characters that reverse the text
-/// direction, which rustc rejects.
+/// Escapes control characters and invisible characters, because rustc rejects some of them, for example those
+/// that reverse the text direction.
 pub(super) fn visible(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -29,8 +29,8 @@ pub(super) fn code(text: &str) -> String {
     format!("`{}`", visible(&text.replace('\n', " ")).replace('`', "'"))
 }
 
-/// Wraps a text at spaces outside backticks. No line begins with a word that could begin a list, heading or
-/// quote.
+/// Wraps a text at spaces outside backticks. No line begins with a word that Markdown would read as the
+/// beginning of a list, heading or quote.
 ///
 /// - `indent`: text at the beginning of further lines
 pub(super) fn wrap(text: &str, indent: &str) -> Vec<String> {

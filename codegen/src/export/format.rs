@@ -1,18 +1,18 @@
-//! Formats of other programs, and an exported file.
+//! File formats of other programs, and a robot exported to one of them.
 
 use crate::diagnostic::Diagnostics;
 
-/// A file format for robots.
+/// A file format of another program for robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// MJCF of MuJoCo.
+    /// MJCF, the format of MuJoCo.
     Mjcf,
-    /// URDF of ROS.
+    /// URDF, the format of ROS.
     Urdf,
 }
 
 impl Format {
-    /// Name of the format.
+    /// Name of the format, for example `URDF`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -21,7 +21,7 @@ impl Format {
         }
     }
 
-    /// File extension of the format.
+    /// File extension of the format, without the dot.
     #[must_use]
     pub fn extension(self) -> &'static str {
         match self {
@@ -31,10 +31,10 @@ impl Format {
     }
 }
 
-/// An exported file.
+/// A robot exported to another format.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Exported {
-    /// Text of the file.
+    /// Text of the exported file.
     pub text: String,
     /// Notes and warnings about parts of the robot that the format cannot represent.
     pub notes: Diagnostics,

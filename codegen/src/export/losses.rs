@@ -1,24 +1,24 @@
-//! Losses: parts of a robot that a format cannot represent. There is one note or warning per kind of loss,
-//! with all names.
+//! Losses of an export: parts of a robot that a format cannot represent. There is one note or warning per
+//! kind of loss, with all names.
 
 use super::format::Format;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
-/// Text about the loss of the torque–speed lines of motors.
+/// Text about lost torque–speed lines of motors.
 pub(super) const LINE: &str = "has no torque–speed lines of motors; they are omitted at";
 
-/// Effect of a loss on the exported robot.
+/// Effect of lost parts on the exported robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Effect {
-    /// The missing parts have no effect on M and the bias forces.
+    /// The lost parts have no effect on the mass matrix and the bias forces.
     None,
-    /// The exported robot may differ.
+    /// The exported robot may differ from the model.
     Robot,
-    /// Other programs reject the file.
+    /// Other programs reject the exported file.
     Refusal,
 }
 
-/// Losses in the order in which they were found.
+/// Losses of an export, in the order in which they were found.
 pub(super) struct Losses {
     format: Format,
     entries: Vec<(Effect, &'static str, Vec<String>)>,
@@ -29,7 +29,7 @@ impl Losses {
         Self { format, entries: Vec::new() }
     }
 
-    /// Records a loss that has no effect on M and the bias forces.
+    /// Records a loss that has no effect on the mass matrix and the bias forces.
     ///
     /// - `what`: text after the format's name in the note
     /// - `owner`: name of the joint, link or other part
@@ -37,7 +37,7 @@ impl Losses {
         self.push(Effect::None, what, owner);
     }
 
-    /// Records a loss that may change M or the bias forces.
+    /// Records a loss that may change the mass matrix or the bias forces.
     pub(super) fn of_robot(&mut self, what: &'static str, owner: &str) {
         self.push(Effect::Robot, what, owner);
     }

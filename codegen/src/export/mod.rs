@@ -19,8 +19,9 @@ pub use xml::FIRST_LINE;
 ///
 /// - `source`: path of the description, for the comment at the top of the file
 ///
-/// The text is read back. If M or the bias forces differ from those of the model at seeded states, a warning
-/// names the difference and the lost parts. MJCF loses rotors on some moving bodies. URDF loses all rotors.
+/// The text is read back. If the mass matrix or the bias forces differ from those of the model at
+/// pseudo-random states, a warning names the difference and the lost parts. MJCF loses rotors on some moving
+/// bodies. URDF loses all rotors.
 #[must_use]
 pub fn export(model: &Model, format: Format, source: &str) -> Exported {
     let (text, losses) = match format {

@@ -7,18 +7,18 @@ use gelenk_formula::{Formula, Function};
 
 pub(super) type Matrix = [[f64; 3]; 3];
 
-/// Evaluates formulas with the description's values of free parameters.
+/// Values of the free parameters in the description, with which formulas are evaluated.
 pub(super) struct Values(Vec<f64>);
 
-/// A pose as numbers.
+/// A pose whose entries are numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Placed {
     pub(super) origin: [f64; 3],
     pub(super) rotation: Matrix,
 }
 
-/// Mass [kg], centre of mass [m], and inertia about the centre of mass in the link's axes [kg m²]: xx, xy,
-/// xz, yy, yz, zz.
+/// Mass (kg), centre of mass (m) and inertia about the centre of mass (kg m²). The inertia is in the link's
+/// axes, with the entries xx, xy, xz, yy, yz, zz.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Lump {
     pub(super) mass: f64,
@@ -26,7 +26,8 @@ pub(super) struct Lump {
     pub(super) inertia: [f64; 6],
 }
 
-/// An affine force law `constant + position · y + velocity · v`.
+/// An affine force law `constant + position · y + velocity · v` of a joint with the position y and the
+/// velocity v.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Affine {
     pub(super) constant: f64,
@@ -34,7 +35,8 @@ pub(super) struct Affine {
     pub(super) velocity: f64,
 }
 
-/// A friction law `viscous · v + dry · sign(v)`, with a flag for further terms.
+/// A friction law `viscous · v + dry · sign(v)` of a joint with the velocity v, with a flag for further
+/// terms.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Friction {
     pub(super) viscous: f64,
@@ -59,7 +61,7 @@ impl Values {
         Placed { origin: self.numbers(&pose.translation), rotation: pose.rotation }
     }
 
-    /// Pose of the link of a joint in the parent link, at position 0 or at the held position.
+    /// Pose of a joint's link in the parent link, at position 0 or at the held position.
     pub(super) fn resting(&self, joint: &Joint) -> Placed {
         let Placed { origin, rotation } = self.placed(&joint.origin);
         let Motion::Held(position) = joint.motion else { return Placed { origin, rotation } };
@@ -70,7 +72,7 @@ impl Values {
         Placed { origin: std::array::from_fn(|k| origin[k] + slid[k]), rotation: product(&rotation, &turned) }
     }
 
-    /// Combined bodies of a link, including the rotors of held joints on this link.
+    /// Mass and inertia of all bodies of a link together, including the rotors of held joints on this link.
     pub(super) fn lump(&self, model: &Model, link: usize) -> Lump {
         let mut lump = self.bodies(&model.links[link].bodies);
         for drive in model.held_rotors().filter(|drive| drive.carrier == link) {
@@ -99,7 +101,7 @@ impl Values {
         Lump { mass, center, inertia }
     }
 
-    /// The force law as an affine function; `None` if the law is not affine.
+    /// Converts a force law to an affine function of position and velocity; `None` if the law is not affine.
     pub(super) fn affine(&self, law: &Formula) -> Option<Affine> {
         let scaled = |a: Affine, factor: f64| Affine {
             constant: a.constant * factor,
@@ -158,7 +160,7 @@ impl Values {
 }
 
 impl Lump {
-    /// Adds moments of inertia about an axis and across the axis [kg m²].
+    /// Adds moments of inertia about an axis (`along`) and across the axis (`across`) (kg m²).
     pub(super) fn add_about_axis(&mut self, [x, y, z]: [f64; 3], along: f64, across: f64) {
         let own = [x * x, x * y, x * z, y * y, y * z, z * z];
         let unit = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0];
@@ -174,7 +176,7 @@ impl Joint {
     }
 }
 
-/// Inertia of a point mass about the origin.
+/// Inertia of a point mass about the origin, with the entries xx, xy, xz, yy, yz, zz.
 fn point_mass(mass: f64, [x, y, z]: &[f64; 3]) -> [f64; 6] {
     [y * y + z * z, -x * y, -x * z, x * x + z * z, -y * z, x * x + y * y].map(|entry| mass * entry)
 }
@@ -195,13 +197,14 @@ impl Placed {
         self.rotation != Self::IDENTITY.rotation
     }
 
-    /// Unit quaternion (w, x, y, z). It is computed from its largest entry, so no digits are lost.
+    /// Unit quaternion (w, x, y, z) of the pose's rotation. It is computed from its largest entry, so no
+    /// digits are lost.
     pub(super) fn quaternion(&self) -> [f64; 4] {
         quaternion(&self.rotation)
     }
 
-    /// Roll, pitch and yaw with `R = R_z(yaw) R_y(pitch) R_x(roll)`. Roll is computed from the rotation
-    /// without yaw, so the rotation is exact even if pitch is close to ±90°.
+    /// Roll, pitch and yaw of the pose's rotation `R = R_z(yaw) R_y(pitch) R_x(roll)`. Roll is computed from
+    /// the rotation without yaw, so the rotation is exact even if pitch is close to ±90°.
     pub(super) fn rpy(&self) -> [f64; 3] {
         let r = &self.rotation;
         let level = length([r[0][0], r[1][0]]);

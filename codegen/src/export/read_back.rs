@@ -1,5 +1,5 @@
-//! Checks an exported text. It is read with the readers of this crate, and M and the bias forces are compared
-//! with those of the model.
+//! Checks an exported text. It is read with the readers of this crate, and its mass matrix and bias forces
+//! are compared with those of the model.
 
 use super::format::Format;
 use super::numbers::Values;
@@ -11,7 +11,7 @@ use crate::verify::mass_and_bias;
 use crate::wording::{list, telling};
 use gelenk_formula::Formula;
 
-/// Largest relative difference of equal values.
+/// Largest relative difference of values of the model and the exported text that count as equal.
 const SAME: f64 = 1e-9;
 const SEED: u64 = 0x6261_636b;
 const STATES: usize = 2;
@@ -64,8 +64,8 @@ fn first(problems: &Diagnostics) -> &str {
     problems.entries().first().map_or("", |problem| &problem.message)
 }
 
-/// The largest difference of M relative to its diagonal, or of the bias forces if M is equal; `None` if both
-/// are equal.
+/// The largest difference of the mass matrix relative to its diagonal, or of the bias forces if the mass
+/// matrix is equal; `None` if both are equal.
 fn differing(model: &Model, places: &[usize], own: &[Vec<f64>; 2], other: &[Vec<f64>; 2]) -> Option<String> {
     let (n, joints) = (places.len(), model.joints().map(|joint| joint.name.as_str()).collect::<Vec<_>>());
     let [mass, bias] = own;

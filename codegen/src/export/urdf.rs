@@ -10,7 +10,7 @@ use super::numbers::{Placed, Values};
 use super::xml::{Attributes, Xml, numbers};
 use crate::model::{Frame, Joint, JointKind, Limits, Model, Motion, MovingJoint, QuaternionKind};
 
-/// Limit that readers of URDFs treat as unlimited. ROS requires limits of effort and velocity, and 0 would
+/// Number that readers of URDFs treat as no limit. ROS requires limits of effort and velocity, and 0 would
 /// forbid all motion.
 const UNLIMITED: f64 = 1e31;
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
@@ -30,7 +30,7 @@ struct Writer<'m> {
     values: Values,
     xml: Xml,
     losses: Losses,
-    /// Names of the links in the file.
+    /// Names of all links in the URDF.
     links: Vec<String>,
 }
 
@@ -75,7 +75,7 @@ impl Writer<'_> {
         self.xml.close();
     }
 
-    /// Whether a link is between the velocities of a joint with a quaternion.
+    /// Whether a link is an inner link between the velocities of a joint with a quaternion.
     fn is_within_chain(&self, name: &str) -> bool {
         self.model.quaternion_joints.iter().any(|joint| {
             let inner = joint.first..joint.coordinates().end - 1;
@@ -121,7 +121,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Writes a helical joint: a prismatic joint that mimics the revolute joint after it.
+    /// Writes a helical joint as a prismatic joint that mimics the revolute joint after it.
     fn screw(&mut self, joint: &Joint, pitch: f64, link: usize, follows: &MovingJoint<'_>) {
         let name = slide_name(self.model, &joint.name);
         self.xml.element("link", vec![("name", name.clone())]);

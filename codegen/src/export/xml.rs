@@ -14,14 +14,14 @@ pub(super) struct Xml {
 pub(super) type Attributes = Vec<(&'static str, String)>;
 
 impl Xml {
-    /// Begins a file with a comment that names the description.
+    /// Begins a file with a comment that names the description from which it was exported.
     pub(super) fn new(source: &str) -> Self {
         // Two hyphens would end the comment.
         let source = source.replace(char::is_control, " ").replace("--", "- -");
         Self { text: format!("{FIRST_LINE}\n     {source} -->\n"), open: Vec::new() }
     }
 
-    /// Opens an element.
+    /// Opens an XML element with attributes.
     pub(super) fn open(&mut self, tag: &'static str, attributes: Attributes) {
         self.tag(tag, &attributes, ">");
         self.open.push(tag);
@@ -33,7 +33,7 @@ impl Xml {
         }
     }
 
-    /// Writes an empty element.
+    /// Writes an XML element with attributes and without content.
     pub(super) fn element(&mut self, tag: &'static str, attributes: Attributes) {
         self.tag(tag, &attributes, "/>");
     }

@@ -1,4 +1,4 @@
-//! Conversion of a row of the catalogue to a program.
+//! Conversion of a row of the catalogue of functions to a program.
 
 use super::catalogue::Argument::{
     self, Accelerations, Coordinates, Driven, Inputs, Multipliers, Velocities, Wrenches,
@@ -14,7 +14,7 @@ use crate::program::{GraphOutput, InputArray, Program, Shape, lower, lower_branc
 use crate::spatial::Force;
 
 /// Arguments of a function for a robot. If the robot has driven joints, functions of y, ẏ or ÿ also have the
-/// driven motion d as an argument.
+/// prescribed motion d of these joints as an argument.
 pub(super) fn arguments_in(model: &Model, arguments: &[Argument]) -> Vec<Argument> {
     let depends = arguments.iter().any(|each| matches!(each, Coordinates | Velocities | Accelerations));
     let driven = (depends && !model.driven.is_empty()).then_some(Driven);
@@ -107,8 +107,8 @@ pub(super) fn assemble(
     }
 }
 
-/// Removes the rows and columns of driven coordinates from a result. Jacobians of frames keep these columns,
-/// because driven coordinates move frames, too.
+/// Removes the rows and columns of driven coordinates (with a prescribed motion) from a result. Jacobians of
+/// frames keep these columns, because driven coordinates move frames, too.
 fn without_driven<'g>(
     model: &Model,
     value: Value<'g>,

@@ -1,4 +1,4 @@
-//! Functions that call other generated functions: the robot in discrete time.
+//! Functions over a sample time, which call other generated functions.
 
 use crate::function_names;
 use crate::functions::function::Function;
@@ -8,19 +8,20 @@ use crate::program::cost::{Cost, count};
 use gelenk_kernels::discrete_time::Text;
 use gelenk_kernels::manifold;
 
-/// Largest number of doublings and of repetitions (squarings) in the text of `discretize`.
+/// Largest number of doublings in the text of `discretize`. `MOST_REPETITIONS` is the largest number of
+/// squarings.
 const MOST_DOUBLINGS: usize = 6;
 const MOST_REPETITIONS: usize = 18;
 const MOST_HALVINGS: usize = MOST_DOUBLINGS + MOST_REPETITIONS;
 
-/// A result of a [`Composition`].
+/// A result of a function over a sample time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComposedResult {
-    /// Symbol of the result.
+    /// Symbol of the result, for example `y⁺`.
     pub name: &'static str,
-    /// Lengths of the dimensions, outermost first.
+    /// Lengths of the result's dimensions, outermost first.
     pub extents: Vec<Extent>,
-    /// Meaning of the result.
+    /// Meaning of the result, for documentation.
     pub meaning: &'static str,
 }
 
@@ -30,17 +31,17 @@ pub enum Composition {
     /// Exact discretization of the linearization with inputs that are constant over the sample time (zero-order
     /// hold).
     Discretize,
-    /// State after the sample time, computed by Runge–Kutta steps.
+    /// State after the sample time. The function computes it by Runge–Kutta steps.
     Step,
-    /// State after the sample time with its derivatives, computed by Runge–Kutta steps.
+    /// State after the sample time with its derivatives. The function computes them by Runge–Kutta steps.
     StepDerivatives,
 }
 
 impl Composition {
-    /// All functions, in the order of the generated module.
+    /// All functions over a sample time, in the order of the generated module.
     pub const ALL: [Self; 3] = [Self::Discretize, Self::Step, Self::StepDerivatives];
 
-    /// Name of the generated function.
+    /// Name of the generated function, for example `step`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -65,7 +66,7 @@ impl Composition {
         self != Self::Discretize
     }
 
-    /// First line of the documentation.
+    /// First line of the function's documentation.
     pub(crate) fn summary(self) -> &'static str {
         match self {
             Self::Discretize => "Exact zero-order hold of the linearization, over one period.",
@@ -76,7 +77,7 @@ impl Composition {
         }
     }
 
-    /// The equation in Unicode.
+    /// The function's equation in Unicode.
     pub(crate) fn equation(self) -> &'static str {
         match self {
             Self::Discretize => {
@@ -87,7 +88,7 @@ impl Composition {
         }
     }
 
-    /// The results for a model.
+    /// The function's results for a model, with symbols and shapes.
     pub(crate) fn results(self, model: &Model) -> Vec<ComposedResult> {
         let n = Extent::new(Dimension::Coordinates, model.coordinates.len());
         let positions = match model.quaternion_joints.is_empty() {
@@ -120,7 +121,7 @@ impl Composition {
         }
     }
 
-    /// Notes of the documentation: method, error and limits.
+    /// Notes of the function's documentation: method, error and limits.
     pub(crate) fn notes(self, has_quaternions: bool) -> &'static [&'static str] {
         match self {
             Self::Discretize if has_quaternions => &[
@@ -157,7 +158,7 @@ impl Composition {
         }
     }
 
-    /// Number of calls of [`Self::calls`] in one period.
+    /// Number of calls of the function [`Self::calls`] in one sample time.
     pub(crate) fn call_count(self, substeps: usize) -> usize {
         match self {
             Self::Discretize => 1,
@@ -189,7 +190,7 @@ impl Composition {
         Some(self.cost(model.coordinates.len(), input_count(model), substeps, count(&called.program)))
     }
 
-    /// Documentation note about a cost that depends on the data.
+    /// Documentation note about a number of operations that depends on the data; `None` if it does not.
     pub(crate) fn cost_note(self, model: &Model, functions: &[Function]) -> Option<String> {
         if self != Self::Discretize {
             return None;
@@ -203,7 +204,9 @@ impl Composition {
         ))
     }
 
-    /// - `halvings`: number of halvings of the period in `discretize`
+    /// Number of operations in the function's own loops, without called functions.
+    ///
+    /// - `halvings`: number of halvings of the sample time in `discretize`
     fn own_cost(self, n: usize, m: usize, substeps: usize, halvings: usize) -> Cost {
         // Number of entries of a coordinate vector together with its derivatives with respect to state and inputs.
         let motion = n + 2 * n * n + n * m;
@@ -218,7 +221,7 @@ impl Composition {
         }
     }
 
-    /// Additional kernels that the module includes if the robot has joints with quaternions.
+    /// Additional texts that the module includes if the robot has joints with quaternions.
     pub(crate) fn manifold_texts(self) -> &'static [manifold::Text] {
         use manifold::Text::{RungeKutta, Sensitivities, ZeroOrderHold};
         match self {
@@ -228,7 +231,7 @@ impl Composition {
         }
     }
 
-    /// Kernels that the module includes.
+    /// Texts of discrete-time functions that the module includes.
     pub(crate) fn texts(self) -> &'static [Text] {
         match self {
             Self::Discretize => &[Text::Sums, Text::Halves, Text::ZeroOrderHold],
@@ -242,7 +245,8 @@ fn input_count(model: &Model) -> usize {
     model.inputs().count()
 }
 
-/// Operations of `discretize` with this number of halvings of the period, without the called function.
+/// Number of operations of `discretize` with this number of halvings of the sample time, without the called
+/// function.
 fn discretize_cost(n: usize, m: usize, halvings: usize) -> Cost {
     let doublings = halvings.min(MOST_DOUBLINGS);
     let common = 22 * n.pow(3) + 38 * n.pow(2) + 2 * n * n * m + (6 * n.pow(3) + 2 * n.pow(2)) * doublings;

@@ -1,4 +1,4 @@
-//! Conversion of a row of the catalogue to a function.
+//! Conversion of a row of the catalogue to a function with documentation.
 
 use super::assemble::{arguments_in, assemble};
 use super::catalogue::{self, Argument, FrameQuantity, Quantity, QuantityResult};
@@ -76,7 +76,7 @@ pub(super) fn derive_frame(
     function
 }
 
-/// Makes a function with a program, but without a name.
+/// Makes a function with program and documentation, but without a name.
 fn described(
     model: &Model,
     arguments: &[Argument],

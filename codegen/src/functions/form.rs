@@ -1,4 +1,4 @@
-//! Choice between straight-line code and loops over joints by code size.
+//! Choice between straight-line code and loops over joints by the size of the code.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -22,10 +22,10 @@ use crate::program::{Operand, Program};
 /// Form of large functions: straight-line code or loops over joints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Form {
-    /// Loops over joints if straight-line code would exceed [`LARGEST_STRAIGHT`].
+    /// Loops over joints if straight-line code would exceed [`LARGEST_STRAIGHT`] bytes of machine code.
     #[default]
     Cheapest,
-    /// Straight-line code.
+    /// Straight-line code for all functions.
     Straight,
     /// Loops over joints for all functions that have them.
     Arrays,
@@ -35,8 +35,8 @@ pub enum Form {
 /// values on x86-64 with AVX-512 are 10 to 20. Small functions need fewer.
 const BYTES_PER_OPERATION: usize = 12;
 
-/// Largest machine code of a straight-line function in bytes. It was chosen from measurements with AVX-512.
-/// Two functions were measured for each robot. A ratio is the time of the loops divided by the time of the
+/// Largest machine code of a straight-line function in bytes, chosen from measurements with AVX-512. Two
+/// functions were measured for each robot. A ratio is the time of the loops divided by the time of the
 /// straight-line code.
 ///
 /// | robot | straight-line code (kB) | ratios |
@@ -64,19 +64,19 @@ pub const LARGEST_STRAIGHT: usize = 27_000;
 /// The Jacobians of the inverse dynamics together with M have 3.0 times the operations.
 const MOST_OPERATIONS: f64 = 3.1;
 
-/// Documentation note of a function with loops.
+/// Documentation note of a function that consists of loops over joints.
 pub(super) const NOTE: &str = "Loops over joints, with spatial vectors in the frame of the base (Singh, Russell and Wensing 2022): \
     straight-line code would not fit into a processor's instruction cache. The cost counts each operation that contributes.";
 
-/// Documentation note of a function in which only the products are loops.
+/// Documentation note of a function in which only the products with the inverse mass matrix are loops.
 pub(super) const PRODUCTS_NOTE: &str = "The accelerations, M⁻¹ and the Jacobians of the inverse dynamics are straight-line code, the products with M⁻¹ are loops. \
     The cost counts each operation that contributes.";
 
-/// Least number of operations for each pair of joints on one path from the base, unless many joints are
-/// parallel.
+/// Least number of operations of straight-line code for each pair of joints on one path from the base, unless
+/// many joints are parallel.
 const OPERATIONS_PER_PAIR: usize = 20;
 
-/// Documentation note of a function in array form.
+/// Documentation note of a function with loops over joints.
 pub(super) fn note(form: &ArrayForm) -> &'static str {
     let is_map = |step: &Step| matches!(step, Step::Map(_));
     match form.arrays().steps.iter().any(is_map) {
@@ -85,7 +85,7 @@ pub(super) fn note(form: &ArrayForm) -> &'static str {
     }
 }
 
-/// A function after the choice of its form.
+/// A function after the choice between straight-line code and loops.
 #[derive(Clone)]
 pub(super) struct Derived {
     /// Straight-line code. If the function has loops, this is the code that the loops replace.
@@ -104,7 +104,7 @@ impl Derived {
     }
 }
 
-/// Derives the functions of a model, each in its cheaper form.
+/// Derives the functions of a model, each as straight-line code or as loops, whichever is cheaper.
 pub(super) struct Forms<'m> {
     model: &'m Model,
     formulations: &'m Formulations<'m>,
@@ -199,9 +199,10 @@ impl<'m> Forms<'m> {
         }
     }
 
-    /// Derives straight-line code with loops only for the products with M⁻¹, if this form is faster. It is
-    /// faster if the other factors are long straight-line code that is not yet replaced by loops. For a Go2,
-    /// the matrices A_y, A_v and B_x then take 0.89 of the time, or 0.82 with fused multiply-adds.
+    /// Derives straight-line code with loops only for the products with the inverse mass matrix, if this form
+    /// is faster. It is faster if the other factors are long straight-line code that is not yet replaced by
+    /// loops. For a Go2, the matrices of the linearization then take 0.89 of the time, or 0.82 with fused
+    /// multiply-adds.
     fn products(&self, quantity: &Quantity) -> Option<Derived> {
         let Some(Loops::PerJoint { products: Some(products), .. }) = quantity.loops else {
             return None;
@@ -212,8 +213,8 @@ impl<'m> Forms<'m> {
         is_possible.then(|| self.with_loops(quantity, products.build))
     }
 
-    /// Returns how to estimate the operations of a function, and whether the function is certainly written as
-    /// loops. The function is not derived. `None` if no estimate is known.
+    /// Returns how to estimate the operations of a function before it is derived, and whether the function is
+    /// certainly written as loops. `None` if no estimate is known.
     pub(super) fn estimate(&self, quantity: &Quantity) -> Option<(Estimate, bool)> {
         let loops = quantity.loops.filter(|loops| match *loops {
             Loops::PerJoint { .. } => self.is_far_beyond() && self.may_loop(quantity),
@@ -249,7 +250,7 @@ impl<'m> Forms<'m> {
             && per_joint::is_possible(self.mechanism())
     }
 
-    /// Mechanism of the model.
+    /// Bodies, joints and rotors of the model.
     pub(super) fn mechanism(&self) -> &'m Mechanism<Number> {
         self.formulations.mechanism()
     }
@@ -304,7 +305,8 @@ fn gains(model: &Model) -> Option<Vec<Gains>> {
     (0..columns).map(of_input).collect()
 }
 
-/// Non-zero entries of the matrix D (see [`Affine::drift`]); `None` if no position is a quaternion.
+/// Non-zero entries of the matrix D in `δ̇ = D δ + v − v̄`; `None` if no position is a quaternion. δ is the
+/// deviation from a motion with the velocities v̄.
 fn drift(model: &Model) -> Option<Vec<Drift>> {
     if model.quaternion_joints.is_empty() {
         return None;

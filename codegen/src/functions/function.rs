@@ -1,4 +1,4 @@
-//! Generated functions: program and documentation.
+//! Generated functions: programs with documentation.
 
 pub use crate::function_names::FrameKind;
 use crate::layout::Dimension;
@@ -7,14 +7,14 @@ use crate::program::Program;
 use crate::program::arrays::ArrayForm;
 use crate::program::cost::{self, Cost};
 
-/// A generated function.
+/// A generated function: program, documentation and constants.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Function {
-    /// Name, a Rust identifier.
+    /// Name of the function, a Rust identifier.
     pub name: String,
     /// Frame and quantity of the function; `None` for a function of the whole robot.
     pub frame: Option<FrameFunction>,
-    /// First line of the documentation: name and symbol.
+    /// First line of the function's documentation: name and symbol.
     pub summary: String,
     /// Equation of the function in Unicode.
     pub equation: String,
@@ -22,14 +22,14 @@ pub struct Function {
     pub arguments: Vec<ArgumentText>,
     /// Meaning, unit and frame of each result, in the order of `program.outputs`.
     pub results: Vec<String>,
-    /// Further notes of the documentation, for example on the derivation, limits and sources.
+    /// Further notes of the function's documentation, for example on the derivation, limits and sources.
     pub notes: Vec<String>,
-    /// Constants that are printed before the function.
+    /// Constants that are printed before the function, for example the names of its columns.
     pub constants: Vec<Constant>,
     /// The function as straight-line code.
     pub program: Program,
-    /// The function as loops over joints if loops are smaller or faster; otherwise `None`. In this case
-    /// `program` is the unrolled form of the loops.
+    /// The function as loops over joints if loops are smaller or faster; otherwise `None`. With loops,
+    /// `program` has the same operations without loops.
     pub arrays: Option<ArrayForm>,
 }
 
@@ -44,14 +44,14 @@ impl Function {
 /// A function of a named frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FrameFunction {
-    /// Identifier of the frame.
+    /// Identifier of the frame, as in names of functions.
     pub frame: String,
     /// Quantity of the frame that the function computes.
     pub kind: FrameKind,
 }
 
 impl FrameFunction {
-    /// The function of a frame of a model.
+    /// Creates the function of a frame for one of the frame's quantities.
     #[must_use]
     pub fn new(frame: &Frame, kind: FrameKind) -> Self {
         Self { frame: frame.identifier.clone(), kind }
@@ -64,45 +64,45 @@ impl FrameFunction {
     }
 }
 
-/// Documentation of an argument.
+/// Documentation of a function's argument.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ArgumentText {
     /// Meaning, unit and frame of the argument.
     pub meaning: String,
-    /// Name and unit of each entry; empty if the entries have no names.
+    /// Name and unit of each entry of the argument; empty if the entries have no names.
     pub entries: Vec<(String, &'static str)>,
 }
 
-/// A constant of a module.
+/// A constant of a module, with name, documentation and value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constant {
     /// Rust identifier, one of [`crate::functions::module_constants::NAMES`] or
     /// [`crate::module::constants::NAMES`].
     pub name: &'static str,
-    /// Documentation of the constant.
+    /// First line of the constant's documentation.
     pub summary: String,
-    /// List items of the documentation; may be empty.
+    /// List items of the constant's documentation; may be empty.
     pub items: Vec<String>,
-    /// Value of the constant.
+    /// Value of the constant, with its type.
     pub value: ConstantValue,
 }
 
-/// Value of a constant.
+/// Value of a constant, with its type in the module.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ConstantValue {
-    /// A count: `usize`.
+    /// A count, for example of coordinates: `usize`.
     Count(usize),
-    /// A hash: `u64`.
+    /// A hash of the robot: `u64`.
     Hash(u64),
-    /// Names: `[&str; n]`.
+    /// Names, for example of joints: `[&str; n]`.
     Names(Dimension, Vec<String>),
-    /// Indices: `[usize; n]`.
+    /// Indices, for example of joints: `[usize; n]`.
     Indices(Dimension, Vec<usize>),
     /// Pairs of indices: `[[usize; 2]; n]`.
     Pairs(Vec<[usize; 2]>),
-    /// Numbers: `[f64; n]`.
+    /// Numbers with one entry per coordinate, input or other dimension: `[f64; n]`.
     Numbers(Dimension, Vec<f64>),
-    /// Lowest and highest values: `[[f64; 2]; n]`.
+    /// Lowest and highest values with one pair per entry: `[[f64; 2]; n]`.
     Ranges(Dimension, Vec<[f64; 2]>),
     /// A matrix: `[[f64; columns]; n]`.
     Rows(Dimension, Vec<Vec<f64>>),

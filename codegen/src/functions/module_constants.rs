@@ -1,4 +1,5 @@
-//! Constants that document functions: names of columns, groups of parameters, sparsity of matrices.
+//! Constants that document functions: names of columns, groups of parameters, and patterns of zeros in
+//! matrices.
 
 use crate::diagnostic::Diagnostic;
 use crate::dynamics::forces;
@@ -103,8 +104,9 @@ fn terms_text(model: &Model) -> String {
     }
 }
 
-/// Returns a note if the module lacks the constant with the map from the inertial parameters to the base
-/// parameters, because this map depends on free parameters; otherwise `None`.
+/// Returns a note if a constant of the base parameters is missing; otherwise `None`. The constant has the map
+/// from the inertial parameters to the base parameters, and is missing if this map depends on free
+/// parameters.
 pub fn notes(functions: &[Function]) -> Option<Diagnostic> {
     let base = functions.iter().find(|function| function.name == "base_regressor")?;
     if base.constants.iter().any(|constant| constant.name == BASE_TERMS) {
@@ -118,7 +120,7 @@ pub fn notes(functions: &[Function]) -> Option<Diagnostic> {
     Some(Diagnostic::note("base-parameters", message).help(help))
 }
 
-/// Writes a group as text, for example `Izz_1 + 0.09 m_2 − Ixx_2 + c(p) J_1`.
+/// Writes a group of base parameters as text, for example `Izz_1 + 0.09 m_2 − Ixx_2 + c(p) J_1`.
 fn group_text(group: &[Term], names: &[String]) -> String {
     let mut text = String::new();
     for (position, term) in group.iter().enumerate() {

@@ -15,14 +15,14 @@ pub enum PositionFunction {
     Normalize,
 }
 
-/// An argument or a result of a [`PositionFunction`].
+/// An argument or a result of a function of positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PositionValue {
-    /// Name of the value.
+    /// Name of the argument or result.
     pub name: &'static str,
-    /// Dimensions, outermost first.
+    /// Dimensions of the argument or result, outermost first.
     pub dimensions: &'static [Dimension],
-    /// Meaning of the value.
+    /// Meaning of the argument or result, for documentation.
     pub meaning: &'static str,
 }
 
@@ -35,11 +35,11 @@ const fn value(name: &'static str, dimensions: &'static [Dimension], meaning: &'
 }
 
 impl PositionFunction {
-    /// All functions, in the order of the generated module.
+    /// All functions of positions, in the order of the generated module.
     pub const ALL: [Self; 4] =
         [Self::Integrate, Self::Difference, Self::IntegrateDerivatives, Self::Normalize];
 
-    /// Name of the generated function.
+    /// Name of the generated function, for example `integrate`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -50,7 +50,7 @@ impl PositionFunction {
         }
     }
 
-    /// First line of the documentation.
+    /// First line of the function's documentation.
     pub(crate) fn summary(self) -> &'static str {
         match self {
             Self::Integrate => "Positions `y ⊕ d` after one second with the velocities d.",
@@ -62,7 +62,7 @@ impl PositionFunction {
         }
     }
 
-    /// The equation in Unicode.
+    /// The function's equation in Unicode.
     pub(crate) fn equation(self) -> &'static str {
         match self {
             Self::Integrate => {
@@ -74,7 +74,7 @@ impl PositionFunction {
         }
     }
 
-    /// The arguments.
+    /// The function's arguments, with names, dimensions and meanings.
     #[must_use]
     pub fn arguments(self) -> Vec<PositionValue> {
         const Y: PositionValue = value("y", POSITIONS, "positions with quaternions of unit length");
@@ -92,7 +92,7 @@ impl PositionFunction {
         }
     }
 
-    /// The results; empty if the function changes its argument.
+    /// The function's results; empty if the function changes its argument.
     #[must_use]
     pub fn results(self) -> Vec<PositionValue> {
         match self {
@@ -108,7 +108,7 @@ impl PositionFunction {
         }
     }
 
-    /// Notes of the documentation: method and limits.
+    /// Notes of the function's documentation: method and limits.
     pub(crate) fn notes(self) -> &'static [&'static str] {
         match self {
             Self::Integrate => &["Quaternions keep their unit length, also after many steps."],
@@ -123,7 +123,7 @@ impl PositionFunction {
     }
 }
 
-/// Lengths of the dimensions of a value for these numbers of position entries and velocities.
+/// Lengths of an argument's or result's dimensions for these numbers of position entries and velocities.
 #[must_use]
 pub fn extents(value: &PositionValue, positions: usize, velocities: usize) -> Vec<Extent> {
     let length = |dimension: &Dimension| match dimension {

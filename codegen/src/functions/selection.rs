@@ -1,7 +1,7 @@
 //! Selection of functions, and omission of functions that cannot be generated.
 //!
 //! Without a selection, all functions are requested, and a note lists the functions that cannot be generated.
-//! If a function requested by name cannot be generated, an error has the reason.
+//! If a function requested by name cannot be generated, an error states the reason.
 
 use super::derive;
 use crate::diagnostic::{Diagnostic, Diagnostics};
@@ -25,7 +25,7 @@ pub struct Request<'a> {
     /// Names of functions and groups. `frames` requests the functions of all named frames. `all` or an empty
     /// list requests all functions, except the functions that are generated only on request (by name).
     pub names: &'a [String],
-    /// Largest number of operations of a function, see [`size::MOST_OPERATIONS`].
+    /// Largest number of operations of a function. Larger functions are not generated.
     pub most: usize,
     /// Form of large functions: straight-line code or loops over joints.
     pub form: Form,
@@ -39,10 +39,10 @@ impl Request<'_> {
     }
 }
 
-/// The functions of a module.
+/// The functions of a module, and notes about omitted functions.
 #[derive(Debug, Clone)]
 pub struct Selection {
-    /// Functions with their own program.
+    /// Functions that have their own program.
     pub functions: Vec<Function>,
     /// Functions that call other generated functions (`discretize`, `step`, `step_derivatives`).
     pub compositions: Vec<Composition>,
@@ -132,13 +132,13 @@ pub fn derive_in_form(
     Ok(derive(model, &request)?.functions)
 }
 
-/// A row of the catalogue for a model.
+/// A row of the catalogue of functions for a model.
 enum Row<'m> {
     Quantity(&'static Quantity),
     Frame(&'m Frame, &'static FrameQuantity),
 }
 
-/// Rows of all functions that can be generated, in the order of the module.
+/// Rows of all functions that a model can have, in the order of the module.
 fn rows(model: &Model) -> impl Iterator<Item = Row<'_>> {
     let quantities = catalogue::all_quantities(model).map(Row::Quantity);
     let frames = model.frames.iter().flat_map(|frame| {
@@ -149,7 +149,7 @@ fn rows(model: &Model) -> impl Iterator<Item = Row<'_>> {
 }
 
 impl Row<'_> {
-    /// Name of the row in the table of kinds.
+    /// Name of the function in the table of kinds of robots.
     fn row_name(&self) -> &'static str {
         match self {
             Self::Quantity(quantity) => quantity.name,
@@ -172,7 +172,7 @@ impl Row<'_> {
     }
 }
 
-/// A request, completed by the functions that the requested functions call.
+/// The requested functions, and the functions that they call.
 struct Wanted<'a> {
     request: &'a Request<'a>,
     compositions: Vec<Composition>,
@@ -213,22 +213,22 @@ impl<'a> Wanted<'a> {
     }
 }
 
-/// Functions of the default selection that cannot be generated.
+/// Functions that cannot be generated, with reasons.
 #[derive(Default)]
 struct LeftOut {
-    /// Functions that a kind of robots lacks.
+    /// Functions that robots with some property lack, grouped by the reason.
     refused: Vec<(Refusal, Vec<String>)>,
-    /// Errors of refused functions that are requested by name.
+    /// Errors of functions that are requested by name but cannot be generated.
     problems: Vec<Diagnostic>,
     too_large: Vec<TooLarge>,
     /// Number of functions of frames that are left out, because the robot has very many frames.
     of_frames: usize,
-    /// Functions that call a function which is left out.
+    /// Functions that are left out because they call a function that is left out.
     callers: Vec<String>,
 }
 
 impl LeftOut {
-    /// Whether the function can be generated. A refusal is stored as an error or for a note.
+    /// Whether the function can be generated. If not, the reason is stored as an error or for a note.
     fn is_possible(&mut self, name: &str, refusal: Option<Refusal>, is_asked_for: bool) -> bool {
         let Some(refusal) = refusal else { return true };
         if is_asked_for {
@@ -243,8 +243,8 @@ impl LeftOut {
         false
     }
 
-    /// Removes the rows of frames if there are very many frames. A URDF may have thousands of frames, and each
-    /// frame has three functions.
+    /// Removes the functions of frames if there are very many frames. A URDF may have thousands of frames,
+    /// and each frame has three functions.
     fn many_frames<'m>(&mut self, model: &Model, wanted: &Wanted<'_>, rows: Vec<Row<'m>>) -> Vec<Row<'m>> {
         if model.frames.len() <= MOST_FRAMES || !wanted.selects_all() {
             return rows;
@@ -256,7 +256,7 @@ impl LeftOut {
         kept
     }
 
-    /// Removes the rows of functions that are known to be too large before their derivation.
+    /// Removes the functions that are known to be too large before their derivation.
     fn too_large_before<'m>(
         &mut self,
         model: &Model,
@@ -276,7 +276,7 @@ impl LeftOut {
         or_problems(possible, problems)
     }
 
-    /// Whether a derived function is within the limit of operations.
+    /// Whether the number of operations of a derived function is within the limit.
     fn fits(&mut self, model: &Model, wanted: &Wanted<'_>, function: &Function) -> Result<bool, Diagnostics> {
         let Some(too_large) = size::after(function, wanted.request.most) else {
             return Ok(true);

@@ -16,12 +16,12 @@ use crate::program::Program;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
 use crate::program::cost::count;
 
-/// Default limit for the number of operations of a function. `inertial_regressor` of a robot with 60 joints has
-/// half of this number. The compile time at this limit has not been measured.
+/// Default limit for the number of operations of a function. The function `inertial_regressor` of a robot
+/// with 60 joints has half of this number. The compile time at this limit has not been measured.
 pub const MOST_OPERATIONS: usize = 300_000;
 
 /// Ratio of the limit for unrolled loops to the limit for printed code. The interpreter needs unrolled loops,
-/// with about 200 bytes per operation.
+/// and uses about 200 bytes per operation.
 const UNROLLED: usize = 10;
 
 /// Estimate of the least number of operations of a function.
@@ -40,11 +40,11 @@ fn estimated(estimate: Estimate, mechanism: &Mechanism<Number>) -> usize {
     }
 }
 
-/// Number of pairs of joints above which even the plain mass matrix needs gigabytes. The estimate is then one
-/// operation for each pair.
+/// Number of pairs of joints above which even the plain mass matrix needs gigabytes of memory. The estimate
+/// of its operations is then one operation for each pair.
 const MANY_PAIRS: usize = 3 * MOST_OPERATIONS;
 
-/// Largest number of joints of robots whose functions are all derived without an estimate.
+/// Largest number of joints for which all functions of a robot are derived without an estimate of their size.
 const FEW_JOINTS: usize = 50;
 
 /// A function that is left out because it is too large.
@@ -52,11 +52,11 @@ const FEW_JOINTS: usize = 50;
 pub(super) struct TooLarge {
     pub name: String,
     operations: usize,
-    /// Whether `operations` is a lower estimate.
+    /// Whether the number of operations is a lower estimate.
     is_estimate: bool,
-    /// Whether `operations` counts unrolled loops.
+    /// Whether the number of operations counts unrolled loops.
     are_loops: bool,
-    /// Largest number of operations that is allowed.
+    /// Largest number of operations that is allowed for the function.
     most: usize,
 }
 
@@ -77,7 +77,7 @@ pub(super) fn before(model: &Model, names: &[String], forms: &Forms<'_>, most: u
     Estimate::ALL.into_iter().flat_map(of).collect()
 }
 
-/// Functions that are too large according to one method of estimation.
+/// Finds functions that are too large according to one method of estimation.
 fn too_large(
     mechanism: &Mechanism<Number>,
     estimate: Estimate,
@@ -124,8 +124,8 @@ pub(super) fn emitted(function: &Function) -> usize {
     }
 }
 
-/// Operations of the setup and of the loop bodies over joints. All other loops have the same text for all
-/// robots.
+/// Number of operations in the straight-line code before the loops and in the loop bodies over joints. All
+/// other loops have the same text for all robots.
 fn emitted_in_loops(arrays: &Arrays) -> usize {
     let bodies = arrays.steps.iter().map(|step| match step {
         Step::Map(map) => operations(&map.body),
@@ -149,7 +149,7 @@ impl TooLarge {
         }
     }
 
-    /// Error for a function requested by name.
+    /// Error for a function that is requested by name but is too large.
     pub(super) fn error(&self, model: &Model) -> Diagnostic {
         let (joints, most) = (model.coordinates.len(), self.most);
         let takes = self.takes();
@@ -164,7 +164,7 @@ impl TooLarge {
         ))
     }
 
-    /// Smallest `--max-operations` with which the function is generated.
+    /// Smallest value of `--max-operations` with which the function is generated.
     fn limit_needed(&self) -> usize {
         match self.are_loops {
             true => rounded_up(self.operations.div_ceil(UNROLLED)),
@@ -173,7 +173,7 @@ impl TooLarge {
     }
 }
 
-/// Makes the note about omitted functions that were not requested by name.
+/// Makes the note about functions that are too large and were not requested by name.
 pub(super) fn note(model: &Model, left_out: &[TooLarge], callers: &str, most: usize) -> Diagnostic {
     let listed = left_out.iter().map(|each| format!("`{}` ({})", each.name, each.takes()));
     let listed: Vec<String> = listed.collect();
@@ -186,14 +186,14 @@ pub(super) fn note(model: &Model, left_out: &[TooLarge], callers: &str, most: us
     Diagnostic::note("left-out", message).help(format!("`--max-operations {needed}` generates all of them"))
 }
 
-/// Rounds up to two digits, with a margin for errors of the estimate.
+/// Rounds a number of operations up to two digits, with a margin for errors of the estimate.
 fn rounded_up(operations: usize) -> usize {
     let unit = 10_usize.pow(operations.max(10).ilog10() - 1);
     (operations / unit + 2) * unit
 }
 
-/// Number of operations of M in the plain formulation. The search for a cheaper formulation would take minutes
-/// for large robots.
+/// Number of operations of the mass matrix by the usual recursion. The search for a cheaper formulation would
+/// take minutes for large robots.
 fn mass_matrix_operations(mechanism: &Mechanism<Number>) -> usize {
     let graph = Graph::new();
     let y = mechanism.positions_on(&graph);

@@ -23,8 +23,8 @@ pub fn balanced(graph: &Graph, results: &[Edge]) -> Vec<Edge> {
     results.iter().map(|&edge| balance.successor(edge)).collect()
 }
 
-/// Marks sums that are only used as operands of another sum. Sums with a name are not marked, because the
-/// name is shown to readers of the text.
+/// Marks sums that are only used as operands of another sum. Sums with a suggested name are not marked,
+/// because readers of the text see the name.
 fn parts(graph: &Graph, reachable: &[Edge], results: &[Edge]) -> Vec<bool> {
     let mut uses = vec![0_u32; graph.len()];
     let operands = reachable.iter().flat_map(|&edge| graph.node(edge).operands());
@@ -49,7 +49,8 @@ struct Balance<'g> {
     graph: &'g Graph,
     is_part: Vec<bool>,
     rebuilt: Vec<Option<Edge>>,
-    /// Length of the longest chain of operations up to each node, in clock cycles of a typical processor.
+    /// Length of the longest chain of operations up to each node of the graph, in clock cycles of a typical
+    /// processor.
     depths: Vec<u32>,
 }
 
@@ -91,7 +92,7 @@ impl Balance<'_> {
         terms.pop().map_or_else(|| self.graph.constant(0.0).edge(), |(_, sum)| sum)
     }
 
-    /// Collects the new terms of a sum, including the terms of marked sums.
+    /// Collects the new terms of a sum, including the terms of inner sums that only this sum uses.
     fn collect(&self, sum: Edge, terms: &mut Vec<Edge>) {
         let mut pending = vec![sum];
         while let Some(edge) = pending.pop() {

@@ -9,7 +9,8 @@ use rustc_hash::FxBuildHasher;
 use super::node::{Edge, Node};
 use gelenk_formula::Function;
 
-/// A growing list of nodes. Equal nodes are stored once. Operands precede the nodes that use them.
+/// An expression graph: a growing list of nodes. Equal nodes are stored once. Operands precede the nodes that
+/// use them.
 #[derive(Debug, Default)]
 pub struct Graph {
     nodes: RefCell<IndexSet<Node, FxBuildHasher>>,
@@ -17,12 +18,12 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// An empty graph.
+    /// Creates a graph without nodes.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// The number of nodes.
+    /// The number of nodes in the graph.
     pub fn len(&self) -> usize {
         self.nodes.borrow().len()
     }
@@ -32,12 +33,13 @@ impl Graph {
         self.len() == 0
     }
 
-    /// The node that an edge refers to.
+    /// The node to which an edge (a signed reference) refers.
     pub fn node(&self, edge: Edge) -> Node {
         self.nodes.borrow()[edge.index()]
     }
 
-    /// Value of a constant with the sign of the edge; `None` if the node is not a constant.
+    /// Value of a constant with the sign of the edge (a signed reference to a node); `None` if the node is
+    /// not a constant.
     pub fn value(&self, edge: Edge) -> Option<f64> {
         match self.node(edge) {
             Node::Constant(bits) => {
@@ -82,7 +84,7 @@ impl Graph {
         Edge::plus(self.nodes.borrow_mut().insert_full(node).0)
     }
 
-    /// A folded constant; `None` if the value overflowed.
+    /// The constant node for a computed value; `None` if the value overflowed.
     fn folded(&self, value: f64) -> Option<Edge> {
         value.is_finite().then(|| self.constant(value).edge())
     }
@@ -108,7 +110,7 @@ impl Graph {
         (x == y).then(|| self.mul(self.constant(c + d).edge(), x))
     }
 
-    /// Folds constants by `(x + c) + y = x + (c + y)`.
+    /// Adds the constant y to a sum that already has a constant c: `(x + c) + y = x + (c + y)`.
     fn fold_offset(&self, sum: Edge, y: f64) -> Option<Edge> {
         let Node::Sum(p, q) = self.node(sum) else {
             return None;
@@ -122,8 +124,8 @@ impl Graph {
         Some(self.add(x, self.folded(c + y)?))
     }
 
-    /// Splits `c · x` into the constant c and the remaining factor x. The sign of the edge is in the
-    /// constant.
+    /// Splits a product `c · x` into the constant c and the remaining factor x. The sign of the edge is in
+    /// the constant.
     pub(super) fn scaled(&self, edge: Edge) -> (f64, Edge) {
         let sign = if edge.is_negative() { -1.0 } else { 1.0 };
         if let Node::Product(a, b) = self.node(edge) {

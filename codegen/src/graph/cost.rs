@@ -1,21 +1,21 @@
-//! Number of operations of a set of results.
+//! Number of operations that results of a graph need.
 
 use super::build::Graph;
 use super::node::{Edge, Node};
 use gelenk_formula::Function;
 
-/// Numbers of operations. A subtraction counts as an addition. A negation does not count.
+/// Numbers of operations by kind. A subtraction counts as an addition. A negation does not count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
-    /// Multiplications.
+    /// Number of multiplications.
     pub multiplications: u64,
-    /// Additions and subtractions.
+    /// Number of additions and subtractions.
     pub additions: u64,
-    /// Divisions.
+    /// Number of divisions.
     pub divisions: u64,
-    /// Angles whose sine or cosine is computed. Sine and cosine of the same angle count once.
+    /// Number of angles whose sine or cosine is computed. Sine and cosine of the same angle count once.
     pub angles: u64,
-    /// Other function calls.
+    /// Number of other function calls.
     pub calls: u64,
 }
 
@@ -38,7 +38,8 @@ impl Cost {
         cost
     }
 
-    /// Weight for the comparison of formulations: approximately the number of instructions.
+    /// Weighted sum of the operations, which is approximately the number of instructions. It compares ways to
+    /// write the same equations.
     pub fn weight(&self) -> u64 {
         self.multiplications + self.additions + 8 * self.divisions + 20 * (self.angles + self.calls)
     }

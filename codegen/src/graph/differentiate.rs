@@ -1,4 +1,4 @@
-//! Forward and reverse differentiation of a graph.
+//! Forward and reverse differentiation of expressions in a graph.
 
 use super::build::Graph;
 use super::node::{Edge, Node};
@@ -76,7 +76,8 @@ pub fn gradient<'g>(graph: &'g Graph, result: Scalar<'g>, variables: &[Scalar<'g
     variables.iter().map(of).collect()
 }
 
-/// The derivative `f'(x)`, computed from the value `f(x)` if this needs fewer operations.
+/// The derivative `f'(x)` of an elementary function, computed from the value `f(x)` if this needs fewer
+/// operations.
 fn outer<'g>(function: Function, x: Scalar<'g>, value: Scalar<'g>) -> Scalar<'g> {
     match function {
         Function::Sin => x.call(Function::Cos),
@@ -89,7 +90,7 @@ fn outer<'g>(function: Function, x: Scalar<'g>, value: Scalar<'g>) -> Scalar<'g>
     }
 }
 
-/// `results` with the inputs `old` replaced by `new`.
+/// Returns `results` with the inputs `old` replaced by `new`.
 pub fn substitute<'g>(
     graph: &'g Graph,
     results: &[Scalar<'g>],

@@ -1,4 +1,4 @@
-//! Nodes and the signed edges between them.
+//! Nodes of expression graphs, and the signed references (edges) between nodes.
 
 use gelenk_formula::Function;
 
@@ -7,33 +7,33 @@ use gelenk_formula::Function;
 pub struct Edge(u32);
 
 impl Edge {
-    /// The edge to node `index`, without negation.
+    /// The reference to node `index`, without negation.
     pub fn plus(index: usize) -> Self {
         Self((index as u32) << 1)
     }
 
-    /// Index of the node.
+    /// Index of the node to which the edge refers.
     pub fn index(self) -> usize {
         (self.0 >> 1) as usize
     }
 
-    /// Whether the node's value is negated.
+    /// Whether the edge negates the node's value.
     pub fn is_negative(self) -> bool {
         self.0 & 1 == 1
     }
 
-    /// The same edge without sign.
+    /// The edge to the same node without negation.
     pub fn abs(self) -> Self {
         Self(self.0 & !1)
     }
 
-    /// The negated edge if `negate` is true.
+    /// The edge with the opposite sign if `negate` is true; otherwise the same edge.
     pub fn negate_if(self, negate: bool) -> Self {
         Self(self.0 ^ u32::from(negate))
     }
 }
 
-/// A node. The operands of a node precede it in the graph.
+/// A node of an expression graph. The operands of a node precede it in the graph.
 ///
 /// Nodes are canonical:
 ///
@@ -43,7 +43,7 @@ impl Edge {
 /// - constants are positive
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Node {
-    /// Bits of a finite number ≥ 0.
+    /// Bits of a finite constant ≥ 0.
     Constant(u64),
     /// Entry of an input array: index of the array, then index of the entry.
     Input(u32, u32),
@@ -55,12 +55,12 @@ pub enum Node {
     Product(Edge, Edge),
     /// `a / b`
     Quotient(Edge, Edge),
-    /// `f(a)`
+    /// `f(a)` with an elementary function f, for example `tanh(a)`
     Call(Function, Edge),
 }
 
 impl Node {
-    /// The operands.
+    /// The operands of the node's operation; empty for constants, inputs and parameters.
     pub fn operands(self) -> impl Iterator<Item = Edge> {
         let (a, b) = match self {
             Node::Constant(_) | Node::Input(..) | Node::Parameter(_) => (None, None),

@@ -1,4 +1,4 @@
-//! A list of nodes without its graph, for types that store scalars.
+//! A list of a graph's nodes without the graph, for types that store scalars.
 
 use std::fmt;
 
@@ -14,7 +14,7 @@ use super::scalar::Scalar;
 pub struct Nodes(Vec<Node>);
 
 impl Graph {
-    /// All nodes so far.
+    /// All nodes that the graph has so far.
     pub fn to_nodes(&self) -> Nodes {
         Nodes((0..self.len()).map(|index| self.node(Edge::plus(index))).collect())
     }
@@ -43,14 +43,14 @@ impl Graph {
 }
 
 impl Edge {
-    /// Scalar of this edge. `nodes` contains the scalars of all nodes.
+    /// The scalar to which the edge refers, with its sign. `nodes` contains the scalars of all nodes.
     pub fn signed<'g>(self, nodes: &[Scalar<'g>]) -> Scalar<'g> {
         let node = nodes[self.index()];
         if self.is_negative() { -node } else { node }
     }
 }
 
-/// Shows parameters and formulas with their node numbers. Constants are shown inside the formulas.
+/// Shows parameters and formulas by their node numbers. Constants are shown inside the formulas.
 impl fmt::Debug for Nodes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let operand = |edge: Edge| {

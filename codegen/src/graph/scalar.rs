@@ -1,4 +1,4 @@
-//! Scalars of a graph with arithmetic operators, so that algorithms read like their papers.
+//! Scalars of an expression graph with arithmetic operators, so that algorithms read like their papers.
 
 use std::fmt;
 use std::ops::{Add, Mul, Neg, Sub};
@@ -15,24 +15,24 @@ pub struct Scalar<'g> {
 }
 
 impl Graph {
-    /// A finite constant.
+    /// A scalar with a finite constant value.
     pub fn constant(&self, value: f64) -> Scalar<'_> {
         debug_assert!(value.is_finite(), "constants of the graph are finite");
         let edge = self.intern(Node::Constant(value.abs().to_bits()));
         self.scalar(edge.negate_if(value < 0.0))
     }
 
-    /// Entry `index` of input array `array`.
+    /// The scalar for entry `index` of input array `array`.
     pub fn input(&self, array: usize, index: usize) -> Scalar<'_> {
         self.scalar(self.intern(Node::Input(array as u32, index as u32)))
     }
 
-    /// Free parameter `index`.
+    /// The scalar for the free parameter with this index.
     pub fn parameter(&self, index: usize) -> Scalar<'_> {
         self.scalar(self.intern(Node::Parameter(index as u32)))
     }
 
-    /// A scalar of this graph from its edge.
+    /// The scalar for an edge, which is a signed reference to a node of this graph.
     pub fn scalar(&self, edge: Edge) -> Scalar<'_> {
         Scalar::new(self, edge)
     }
@@ -43,17 +43,17 @@ impl<'g> Scalar<'g> {
         Self { graph, edge }
     }
 
-    /// The edge: a signed reference to the node.
+    /// The edge: a signed reference to the scalar's node.
     pub fn edge(self) -> Edge {
         self.edge
     }
 
-    /// The graph that owns the node.
+    /// The graph that owns the scalar's node.
     pub fn graph(self) -> &'g Graph {
         self.graph
     }
 
-    /// A constant of the same graph.
+    /// A constant of the same graph as this scalar.
     pub fn constant(self, value: f64) -> Self {
         self.graph.constant(value)
     }
@@ -68,7 +68,7 @@ impl<'g> Scalar<'g> {
         self.value() == Some(0.0)
     }
 
-    /// The function value `f(self)`.
+    /// The value `f(self)` of an elementary function.
     pub fn call(self, function: Function) -> Self {
         Self::new(self.graph, self.graph.call(function, self.edge))
     }
@@ -94,7 +94,7 @@ impl<'g> Scalar<'g> {
         self
     }
 
-    /// 0 if the scalar is a constant with a magnitude below `tolerance`, otherwise the scalar.
+    /// The constant 0 if the scalar is a constant with a magnitude below `tolerance`, otherwise the scalar.
     pub fn cleaned(self, tolerance: f64) -> Self {
         match self.value() {
             Some(value) if value.abs() < tolerance => self.constant(0.0),

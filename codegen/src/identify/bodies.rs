@@ -13,11 +13,11 @@ use crate::wording::toml_text;
 /// the link's frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyValues {
-    /// Name of the body.
+    /// Name of the body in the description.
     pub name: String,
     /// Name of the link that carries the body (key `link`); `None` if the key is not written.
     pub link: Option<String>,
-    /// Mass in kg.
+    /// Mass of the body in kg.
     pub mass: f64,
     /// Centre of mass in the link's frame, in m.
     pub center_of_mass: [f64; 3],
@@ -27,8 +27,9 @@ pub struct BodyValues {
 
 impl BodyValues {
     /// Creates a body from the ten inertial parameters of a link: mass m, first moments m c with the centre
-    /// of mass c, and the entries xx, xy, yy, xz, yz, zz of the inertia matrix I_o about the origin of the
-    /// link's frame. The inertia about the centre of mass is `I_c = I_o − m (cᵀc 1 − c cᵀ)` (parallel axis theorem).
+    /// of mass c, and the entries xx, xy, yy, xz, yz, zz of the inertia matrix I_o. I_o is about the origin
+    /// of the link's frame. The inertia about the centre of mass is `I_c = I_o − m (cᵀc 1 − c cᵀ)` (parallel
+    /// axis theorem).
     #[must_use]
     pub fn of_link(name: String, link: Option<String>, parameters: &[f64]) -> Self {
         let &[mass, hx, hy, hz, xx, xy, yy, xz, yz, zz] = parameters else {
@@ -46,7 +47,8 @@ impl BodyValues {
         Self { name, link, mass, center_of_mass: [x, y, z], inertia }
     }
 
-    /// Returns the ten parameters of a link that consists of this body, in the order of [`Self::of_link`].
+    /// Returns the ten inertial parameters of a link that consists of this body, in the order of
+    /// [`Self::of_link`].
     #[must_use]
     pub fn parameters(&self) -> [f64; PER_LINK] {
         let mass = self.mass;
@@ -91,7 +93,7 @@ pub struct LinkBodies {
     pub body: BodyValues,
     /// Other bodies of the link, without mass and inertia.
     pub emptied: Vec<BodyValues>,
-    /// Part of the link's parameters that comes from rotors of held joints, not from bodies.
+    /// Part of the link's inertial parameters that comes from rotors of held joints, not from bodies.
     pub fixed: Vec<f64>,
 }
 
@@ -137,8 +139,8 @@ pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<LinkBodies>, Diag
     Ok(links.map(of_joint).collect())
 }
 
-/// Returns the parameters of the moving links without their bodies, which are those of the rotors of held
-/// joints.
+/// Returns the inertial parameters of the moving links without their bodies, which are those of the rotors of
+/// held joints.
 fn without_bodies(model: &Model) -> Result<Vec<f64>, Diagnostics> {
     let mut model = model.clone();
     model.links.iter_mut().for_each(|link| link.bodies.clear());

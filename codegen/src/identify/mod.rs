@@ -1,8 +1,7 @@
-//! Identification of robots with a description: functions of the robot for the estimator, and the estimates
-//! as a description.
+//! Identification of robots with a description.
 //!
 //! The crate [`gelenk_identification`] computes the estimates. This module provides the equations of motion
-//! that this crate needs ([`InterpretedRobot`], without compiled code), and writes the estimates as a
+//! that this crate needs ([`InterpretedRobot`], without compiled code). It writes the estimates as a
 //! description and as a report page.
 
 mod bodies;

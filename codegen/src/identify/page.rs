@@ -11,13 +11,13 @@ use gelenk_report::{Axis, Block, Cell, Figure, Marks, Plot, Report, Section, Tab
 
 use super::terms;
 
-/// Largest number of points of a curve. If a curve has more points, only every k-th point is drawn.
+/// Largest number of drawn points of a curve. If a curve has more points, only every k-th point is drawn.
 const MOST_POINTS: usize = 1500;
-/// Explanation of the rows if shafts replace joints.
+/// Explanation in the report page of the rows of equations, if shafts of drives replace joints in the fit.
 const SHAFTS: &str = "Efforts at the joints are $\\tau = W(y,\\dot y,\\ddot y)\\,\\pi + \\tau_F(\\dot y) + c$: inertial parameters $\\pi$, \
      friction $\\tau_F$ and offsets $c$ in one weighted fit. Each drive that acts on several joints has a separate row with the name of \
      the drive. Torque, position and speed in this row are those of the motor's shaft.";
-/// Number of points of a friction curve.
+/// Number of points of a friction curve in the report page.
 const CURVE: usize = 200;
 
 /// Creates the report page with friction curves, measured and predicted efforts, residuals, held-out
@@ -125,12 +125,13 @@ pub fn offsets(joint: &JointEstimate) -> String {
     }
 }
 
-/// Returns R² of a joint that moves; empty if nothing acts on the joint.
+/// Returns the cell with R² of a joint that moves; empty if nothing acts on the joint.
 fn share(joint: &JointEstimate, r_squared: f64) -> Cell {
     if is_judged(joint) { Cell::Rounded(r_squared, 4) } else { Cell::Empty }
 }
 
-/// Returns whether R² of a joint is meaningful. It is meaningful if the joint moves and a force acts on it.
+/// Returns whether the coefficient of determination R² of a joint is meaningful. It is meaningful if the
+/// joint moves and a force acts on it.
 #[must_use]
 pub fn is_judged(joint: &JointEstimate) -> bool {
     joint.moves && !joint.held_out_r_squared.is_nan()
@@ -180,7 +181,7 @@ fn friction_figure(joint: &JointFriction, unit: &str) -> Figure {
     figure.plot(plot)
 }
 
-/// Error on held-out data over the number of terms.
+/// Creates the plot of the error on held-out data over the number of friction terms.
 fn front(subsets: &SubsetValidation, force: &str) -> Plot {
     let point = |subset: &ValidatedSubset| [subset.active.len() as f64, subset.mean_error.sqrt()];
     Plot::new(
@@ -216,7 +217,7 @@ fn efforts(found: &Identification) -> Section {
     Section::new("efforts", "Efforts over time").block(Block::Figure(figure))
 }
 
-/// Returns the times of all runs in sequence, with a gap after each run.
+/// Returns the sample times of all runs in sequence, with a gap after each run.
 fn times(runs: &[PreparedRun]) -> Vec<f64> {
     let mut times = Vec::new();
     let mut start = 0.0;

@@ -30,17 +30,18 @@ pub struct InterpretedRobot {
     inverse_dynamics: Function,
     parameters: Vec<f64>,
     input_matrix: Vec<f64>,
-    /// Regressor W with three additional free parameters for gravity. It is derived at the first use.
+    /// Regressor W of the inertial parameters, with three additional free parameters for gravity. It is
+    /// derived at the first use.
     at_rest: OnceLock<Option<Function>>,
-    /// Input matrix B(y); `None` if no input acts at a frame.
+    /// Function for the input matrix B(y); `None` if no input acts at a frame.
     input_matrix_at: Option<Function>,
-    /// Whether each joint is moved from outside.
+    /// For each joint, whether it is moved from outside, so that its force is not measured.
     unmeasured: Vec<bool>,
     /// Shafts of drives whose friction is identified.
     shafts: Vec<Shaft>,
-    /// Described friction of the joints that shafts replace in the fit.
+    /// Described friction of the joints whose equations in the fit are replaced by those of drives' shafts.
     joint_terms: Vec<(JointTerm, FrictionTerm)>,
-    /// Described friction of each row of the fit.
+    /// Described friction for each row of the fit, which belongs to a joint or a shaft.
     friction: Vec<Vec<FrictionTerm>>,
     /// Described values of the free parameters.
     free: Vec<f64>,
@@ -70,13 +71,14 @@ impl InterpretedRobot {
     /// is identified. They contain the friction that is not identified:
     ///
     /// - friction of spherical and floating joints
-    /// - friction of joints that follow other joints, because the written description does not replace
-    ///   their law
+    /// - friction of joints that follow other joints, because the written description does not replace their
+    ///   law
     /// - friction of the shafts of drives, if [`RobotChoices::friction_at_joints`] is set or the shaft
     ///   replaces no joint in the fit
     ///
     /// # Errors
-    /// The errors are those of [`derive_in_form`], and `driven-joint` if joints are driven.
+    /// The errors are those of [`derive_in_form`]. The error is `driven-joint` if joints have a prescribed
+    /// motion.
     pub fn with(model: &Model, choices: &RobotChoices) -> Result<Self, Diagnostics> {
         IDENTIFICATION.check(model)?;
         let mut model = model.clone();
@@ -125,7 +127,7 @@ impl InterpretedRobot {
         })
     }
 
-    /// Returns the names of the drives on several joints whose shafts replace no joint in the fit. The
+    /// Returns the names of the drives on several joints whose shafts have no equation in the fit. The
     /// friction of these drives stays as described.
     #[must_use]
     pub fn shafts_as_described(&self) -> Vec<&str> {
@@ -135,7 +137,7 @@ impl InterpretedRobot {
     }
 
     /// Returns the limits of a joint that follows coordinates, or of a motor that moves several joints;
-    /// `None` if it follows a driven joint.
+    /// `None` if it follows a joint with prescribed motion.
     fn follower(&self, one: &Dependent<'_>) -> Option<FollowerLimits> {
         let (ratios, of_driven) = one.ratios.as_ref()?.split_at(self.model.coordinates.len());
         of_driven.iter().all(|ratio| *ratio == 0.0).then(|| FollowerLimits {
@@ -154,7 +156,8 @@ impl InterpretedRobot {
     }
 }
 
-/// Returns the described friction of each joint, or of the shaft that replaces the joint in its row.
+/// Returns the described friction of each row of the fit, which is the equation of a joint, or of the shaft
+/// that replaces the joint.
 fn described_friction(model: &Model, shafts: &[Shaft]) -> Vec<Vec<FrictionTerm>> {
     let of_row = |(row, joint): (usize, &Joint)| {
         let shaft = shafts.iter().find(|shaft| shaft.joint == row);
@@ -164,7 +167,8 @@ fn described_friction(model: &Model, shafts: &[Shaft]) -> Vec<Vec<FrictionTerm>>
     model.joints().enumerate().map(of_row).collect()
 }
 
-/// Returns the regressor of a model with three additional free parameters for gravity.
+/// Returns the regressor of the model's inertial parameters, with three additional free parameters for
+/// gravity; `None` if it cannot be derived.
 fn regressor_under_gravity(model: &Model) -> Option<Function> {
     let mut model = model.clone();
     model.force_inputs.clear();
@@ -183,7 +187,7 @@ fn regressor_under_gravity(model: &Model) -> Option<Function> {
     derive_in_form(&model, &name, MOST_OPERATIONS, Form::Straight, &name).ok()?.into_iter().next()
 }
 
-/// Returns the input matrix B(y) of a model with inputs at frames.
+/// Returns the function for the input matrix B(y) of a model; `None` without inputs at frames.
 fn input_matrix_at(model: &Model) -> Result<Option<Function>, Diagnostics> {
     if model.force_inputs.is_empty() {
         return Ok(None);
@@ -319,8 +323,8 @@ impl Robot for InterpretedRobot {
         (0..joints).map(driven).collect()
     }
 
-    /// Returns whether an inertia may be added to each row. A drive is written with only one inertia, so
-    /// the rotor of the row must not be a parameter.
+    /// Returns for each row of the fit whether an inertia may be added. A drive is written with only one
+    /// inertia, so the rotor of the row must not be a parameter.
     fn takes_inertia(&self) -> Vec<bool> {
         let takes = |row: usize| {
             let shaft = self.shafts.iter().find(|shaft| shaft.joint == row);

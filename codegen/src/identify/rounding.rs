@@ -14,11 +14,12 @@ use nalgebra::{DMatrix, DVector};
 use super::bodies::{BodyValues, LinkBodies};
 use crate::dynamics::parameters::regressor::PER_LINK;
 
-/// Largest change of a joint's R² by rounding.
+/// Largest change of a joint's coefficient of determination R² by rounding the parameters of its body.
 const MOST_LOST: f64 = 1e-4;
 /// Number of additional digits from which on a body is written without rounding.
 const MOST_DIGITS: i32 = 8;
-/// Largest change of a parameter of a load by rounding, as a share of half the width of its interval.
+/// Largest change of a load's parameter by rounding, as a fraction of half the width of its confidence
+/// interval.
 const NOTICED: f64 = 0.1;
 
 /// Rounds the identified bodies of all links to the digits that their intervals justify.
@@ -48,21 +49,22 @@ pub fn round_bodies(links: &mut [LinkBodies], described: &[LinkBodies], estimate
     links.iter_mut().zip(written).for_each(|(link, body)| link.body = body);
 }
 
-/// Returns the largest change of a joint's R² if the parameters of a link change.
+/// Returns the largest change of a joint's coefficient of determination R² if the parameters of a link
+/// change.
 fn lost(estimate: &Estimate, link: usize, change: &[f64]) -> f64 {
     let mut all = vec![0.0; estimate.parameters.len()];
     all[PER_LINK * link..][..change.len()].copy_from_slice(change);
     estimate.r_squared_lost(&all).into_iter().map(f64::abs).fold(0.0, f64::max)
 }
 
-/// A body with the errors of its values. The values are in the order of [`BodyValues::numbers`].
+/// An identified body with the errors of its values. The values are in the order of [`BodyValues::numbers`].
 struct Found<'a> {
     body: &'a BodyValues,
-    /// Parameters of the link that come from rotors of held joints, not from bodies.
+    /// Inertial parameters of the link that come from rotors of held joints, not from bodies.
     fixed: &'a [f64],
     /// Mass, centre of mass and moments of inertia of the described body.
     described: [Option<f64>; PER_LINK],
-    /// Half the width of each value's interval; `None` if it is unknown.
+    /// Half the width of each value's confidence interval; `None` if it is unknown.
     errors: [Option<f64>; PER_LINK],
 }
 
@@ -85,7 +87,7 @@ impl<'a> Found<'a> {
         }
     }
 
-    /// Returns the body with `digits` digits more than the intervals justify.
+    /// Returns the body with `digits` digits more than the confidence intervals justify.
     fn written(&self, digits: i32) -> BodyValues {
         if digits >= MOST_DIGITS {
             return self.body.clone();
@@ -129,7 +131,7 @@ fn keeps_existing(before: &[f64; PER_LINK], after: &[f64; PER_LINK]) -> bool {
     margin(before) <= 0.0 || margin(after) > 0.0
 }
 
-/// Returns half the width of an interval in standard errors.
+/// Returns half the width of a confidence interval in standard errors.
 fn half_widths_of_errors(estimate: &Estimate) -> f64 {
     let uncertain = estimate.parameters.iter().filter(|p| p.standard_error > 0.0);
     let factors = uncertain.map(|p| 0.5 * (p.interval[1] - p.interval[0]) / p.standard_error);
@@ -164,9 +166,9 @@ fn slopes(body: &BodyValues) -> DMatrix<f64> {
     slopes
 }
 
-/// Returns a load with the digits that its intervals justify. Rounding does not change an inertial
-/// parameter by more than a tenth of half the width of its interval. This matters because the product of
-/// mass and centre may be known better than the two factors.
+/// Returns a load with the digits that its confidence intervals justify. Rounding does not change an inertial
+/// parameter by more than a tenth of half the width of its interval. This matters because the product of mass
+/// and centre may be known better than the two factors.
 #[must_use]
 pub fn rounded_load(body: &BodyValues, payload: &Payload) -> BodyValues {
     let half =
@@ -185,7 +187,7 @@ pub fn rounded_load(body: &BodyValues, payload: &Payload) -> BodyValues {
 }
 
 impl BodyValues {
-    /// Returns mass, centre of mass and moments of inertia.
+    /// Returns mass, centre of mass and moments of inertia of the body as ten numbers.
     fn numbers(&self) -> [f64; PER_LINK] {
         let [x, y, z] = self.center_of_mass;
         let [xx, yy, zz, xy, xz, yz] = self.inertia;

@@ -1,9 +1,9 @@
-//! Choice of the joints that shafts replace in the fit. The fit has a row of equations for each joint. The
-//! shaft of a drive that acts on several joints replaces one of these joints in its row.
+//! Choice of the joints that shafts of drives replace in the fit. The fit has an equation for each joint. The
+//! equation of a shaft that acts on several joints replaces that of one of these joints.
 
 use nalgebra::{DMatrix, RowDVector};
 
-/// Magnitude below which an entry counts as rounding error, as a share of the shaft's largest entry.
+/// Largest entry that counts as rounding error, as a fraction of the shaft's largest entry.
 const ROUNDING: f64 = 1e-9;
 
 /// Returns for each shaft the joint whose row in the fit it replaces. The result is `None` if the motion of

@@ -39,7 +39,7 @@ pub(super) fn shared_drives(model: &Model) -> impl Iterator<Item = &Drive> {
     model.input_drives().filter(|drive| drive.acts_on.len() > 1)
 }
 
-/// Returns the displacement of a shaft for a unit displacement of each coordinate.
+/// Returns the angle of a drive's shaft for a unit displacement of each coordinate.
 fn ratios(model: &Model, drive: &Drive, free: &[f64]) -> Vec<f64> {
     let gear = drive.gear_ratio.evaluate(free, 0.0, 0.0);
     let mut ratios = vec![0.0; model.coordinates.len()];
@@ -49,7 +49,8 @@ fn ratios(model: &Model, drive: &Drive, free: &[f64]) -> Vec<f64> {
     ratios
 }
 
-/// Returns the terms of the described friction of the joints that shafts replace.
+/// Returns the terms of the described friction of the joints whose equations in the fit are replaced by those
+/// of shafts.
 pub(super) fn joint_terms(model: &Model, shafts: &[Shaft], free: &[f64]) -> Vec<(JointTerm, FrictionTerm)> {
     let names: Vec<&str> = model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     let taken = model.joints().enumerate().filter(|(row, _)| shafts.iter().any(|shaft| shaft.joint == *row));
@@ -89,7 +90,7 @@ pub fn kept_friction(model: &Model, described: &Model, drive: &Drive) -> Option<
 /// Identified values of a drive that has its own table in the description.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct IdentifiedShaft<'a> {
-    /// Name of the drive.
+    /// Name of the drive in the description.
     pub name: &'a str,
     /// Friction of the shaft; `None` keeps the friction of the description. If the shaft moves only one
     /// joint, its friction is part of the joint's friction.

@@ -8,7 +8,7 @@ use gelenk_identification::methods::subset::ValidatedSubset;
 use gelenk_report::{Cell, Table};
 use serde_json::{Value, json};
 
-/// Number of digits of values whose error is unknown.
+/// Number of digits with which values of unknown error are printed.
 const DIGITS: usize = 4;
 
 /// Returns the terms of all friction laws with their intervals, and the probability that a law contains the
@@ -38,7 +38,7 @@ fn row(joint: &str, candidate: &Candidate) -> Vec<Cell> {
     names.into_iter().chain(numbers).chain([probability]).collect()
 }
 
-/// Returns a number with the digits that its error justifies.
+/// Returns the table cell of a number with the digits that its error justifies.
 pub(super) fn measured(value: f64, error: Option<f64>) -> Cell {
     Cell::Rounded(value, significant(value, error).unwrap_or(DIGITS))
 }

@@ -4,8 +4,8 @@ use crate::model::FrictionTerm;
 use crate::wording::toml_text;
 use gelenk_formula::Formula;
 
-/// Returns a number with nine digits. They are a thousand times finer than any estimate, but coarse enough
-/// that differences in the last bits between two processors do not change the text.
+/// Returns a number with nine digits as text. They are a thousand times finer than any estimate, but coarse
+/// enough that differences in the last bits between two processors do not change the text.
 pub(super) fn number(value: f64) -> String {
     let text = format!("{value:.8e}");
     let rounded: f64 = text.parse().unwrap_or(value);
@@ -21,7 +21,7 @@ pub(super) fn text(formula: &Formula, parameters: &[&str]) -> String {
     }
 }
 
-/// Returns pairs of basis and coefficient as TOML.
+/// Returns a list of basis functions with their coefficients as TOML.
 pub(super) fn weighted(terms: &[FrictionTerm], parameters: &[&str]) -> String {
     let pair = |term: &FrictionTerm| {
         format!("[{}, {}]", toml_text(&term.basis.text(parameters)), text(&term.coefficient, parameters))

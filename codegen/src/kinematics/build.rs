@@ -1,4 +1,4 @@
-//! Converts a model to its mechanism, and copies the mechanism to the graph of each function.
+//! Converts a model to its moving bodies, joints and rotors, and copies them to the graph of each function.
 
 use super::inertia::{RegroupChoice, regroup};
 use super::mechanism::{Body, Mechanism, Rotor};
@@ -10,13 +10,14 @@ use crate::model::Model;
 use crate::spatial::Pose;
 
 impl Mechanism<Number> {
-    /// The mechanism of a model, with the inertial constants of the description.
+    /// Creates the moving bodies, joints and rotors of a model, with the inertial constants of the
+    /// description.
     pub fn new(model: &Model) -> Self {
         let graph = Graph::new();
         frames::assign(&graph, model, &tree::moving_bodies(&graph, model)).by_itself()
     }
 
-    /// A copy of this mechanism on a graph.
+    /// Copies this mechanism to a graph, so that its numbers become scalars of the graph.
     pub fn on<'g>(&self, graph: &'g Graph) -> Mechanism<Scalar<'g>> {
         let nodes = graph.copied(&self.graph);
         self.with(graph, |number| match number {
@@ -27,8 +28,8 @@ impl Mechanism<Number> {
 }
 
 impl Mechanism<Scalar<'_>> {
-    /// Shifts inertial constants that act only as sums from each body to its parent (regrouping). M, k, q and
-    /// energies do not change.
+    /// Shifts inertial constants that act only as sums from each body to its parent. The equations of motion
+    /// and the energies do not change.
     pub fn regrouped(mut self, choices: &[RegroupChoice]) -> Self {
         regroup(&mut self.bodies, &mut self.base_moments, choices);
         self

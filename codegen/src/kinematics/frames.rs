@@ -17,8 +17,8 @@ use crate::model::{self, Model, RotorCoupling};
 use crate::numeric;
 use crate::spatial::{Angle, MassMoments, Pose, Twist, Vector3, cleaned, rotate};
 
-/// Axes are parallel if the length of their cross product is below this value. Smaller constants are rounding
-/// errors.
+/// Axes are exactly parallel if the length of their cross product is below this value. Smaller values are
+/// rounding errors.
 const PARALLEL: f64 = 1e-12;
 
 /// Axes are treated as parallel if the sine of the angle between them is at most this value. Their common
@@ -29,7 +29,8 @@ const NEARLY_PARALLEL: f64 = 1e-2;
 /// Lengths below this value \[m\] are rounding errors.
 const ROUNDING: f64 = 1e-14;
 
-/// A frame in the frame of the description. A part is `None` if the tree does not determine it.
+/// Frame of a body before all free choices are made, in the frame of the description. A part is `None` if the
+/// axes do not determine it.
 #[derive(Clone, Copy)]
 struct Draft<'g> {
     z: Numeric3<f64>,
@@ -127,7 +128,7 @@ impl<'g> Step<'g> {
         Self { translation: lateral.map(|x| x.cleaned(ROUNDING)), twist, lift, offset }
     }
 
-    /// Shifts the zero position of a joint.
+    /// Shifts the zero position of a joint about or along its axis.
     fn shift(&mut self, graph: &'g Graph, axis: JointAxis, shift: f64) {
         match axis.turns() {
             _ if shift == 0.0 => {}
@@ -137,12 +138,13 @@ impl<'g> Step<'g> {
     }
 }
 
-/// The place of a body in the chain of a joint with a quaternion.
+/// The place of a body among the bodies that replace a joint with a quaternion; `None` for other joints.
 fn chain_place(model: &Model, described: &DescribedBody<'_>, index: usize) -> Option<ChainPlace> {
     quaternion::chain_place(model, described.joint, index)
 }
 
-/// Displacement of the first body of a chain by positions with a quaternion.
+/// Displacement of the first body of a joint with a quaternion by the joint's position entries; `None` for
+/// other bodies.
 fn displaced<'g>(
     graph: &'g Graph,
     model: &Model,
@@ -297,7 +299,7 @@ fn tidy(v: Numeric3<f64>) -> Numeric3<f64> {
     v.normalize().map(|x| if x.abs() < PARALLEL { 0.0 } else { x }).normalize()
 }
 
-/// Completes the frame of a body with the choice of free offsets for which most offsets are zero. Bodies are
+/// Completes the frame of a body. The free offsets are chosen so that most offsets are zero. Bodies are
 /// visited from the root to the leaves.
 fn complete<'g>(
     draft: &Draft<'g>,
@@ -324,8 +326,8 @@ fn complete<'g>(
     Pose { rotation, translation: translation.map(|x| x.cleaned(ROUNDING)) }
 }
 
-/// The foot of the perpendicular from the parent's origin to the axis, so that no translation along the axis
-/// remains.
+/// The foot of the perpendicular from the parent's origin to the joint's axis, so that no translation along
+/// the axis remains.
 fn on_axis<'g>(
     z: Numeric3<f64>,
     parent_origin: Vector3<Scalar<'g>>,
@@ -345,7 +347,7 @@ fn any_frame(z: Numeric3<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(&[x, z.cross(&x), z])
 }
 
-/// Angles of `R = R_z(γ) R_x(α) R_z(θ)`, with γ = 0 if possible.
+/// Angles of a rotation matrix `R = R_z(γ) R_x(α) R_z(θ)`, with γ = 0 if possible.
 fn decompose(rotation: &Matrix3<f64>) -> (Twist, Angle) {
     let z = rotation.column(2);
     let sine = numeric::length([z[0], z[1]]);
@@ -360,7 +362,7 @@ fn decompose(rotation: &Matrix3<f64>) -> (Twist, Angle) {
     (twist, Angle::new(numeric::atan2(turn[(1, 0)], turn[(0, 0)])))
 }
 
-/// Scales sine and cosine to unit length. Multiples of 90° become exact.
+/// Scales sine and cosine of an angle to unit length. Multiples of 90° become exact.
 fn exact((sine, cosine): (f64, f64)) -> (f64, f64) {
     if sine.abs() < PARALLEL {
         (0.0, cosine.signum())
@@ -372,8 +374,8 @@ fn exact((sine, cosine): (f64, f64)) -> (f64, f64) {
     }
 }
 
-/// Adds the rotors. The axial inertia of a rotor belongs to its carrier, and its rotation relative to the
-/// carrier is described by a [`Rotor`].
+/// Adds the rotors of a model. The axial inertia of a rotor belongs to its carrier, and its rotation relative
+/// to the carrier is described by a [`Rotor`].
 fn add_rotors(model: &Model, mechanism: &mut Mechanism<Scalar<'_>>) {
     for drive in &model.drives {
         let inertia = lower(mechanism.graph, &drive.rotor_inertia);

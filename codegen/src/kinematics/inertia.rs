@@ -1,4 +1,5 @@
-//! Moments of mass, and their transfer towards the base, which does not change the equations.
+//! Moments of mass of bodies, and their transfer towards the base, which does not change the equations of
+//! motion.
 
 use super::joint::JointAxis;
 use super::lower::lower;
@@ -30,8 +31,8 @@ pub fn moments_of_body<'g>(graph: &'g Graph, body: &model::Body) -> MassMoments<
 }
 
 /// Shifts masses that act only as sums from a body to its parent (base parameters; Gautier and Khalil 1990):
-/// masses on the axis of a revolute joint, and the second moment of a prismatic joint's body. M, k and q do
-/// not change.
+/// masses on the axis of a revolute joint, and the second moment of a prismatic joint's body. The equations
+/// of motion do not change.
 ///
 /// `base` receives the moments that reach the base, in the base frame. The second moment of `base` has no
 /// meaning afterwards.
@@ -70,7 +71,7 @@ pub fn regroup<'g>(
     }
 }
 
-/// The moments of masses on the z axis: m, h_z and Σ_zz.
+/// The moments of those masses that are on the z axis: mass m, first moment h_z and second moment Σ_zz.
 fn on_axis(moments: MassMoments<Scalar<'_>>) -> MassMoments<Scalar<'_>> {
     let zero = moments.mass.constant(0.0);
     let mut second = Symmetric3::zero(zero);
@@ -78,22 +79,23 @@ fn on_axis(moments: MassMoments<Scalar<'_>>) -> MassMoments<Scalar<'_>> {
     MassMoments { mass: moments.mass, first: Vector3([zero, zero, moments.first[2]]), second }
 }
 
-/// Only the second moment. It depends only on the orientation, which a prismatic joint does not change.
+/// The second moment alone, with zero mass and first moment. It depends only on the orientation, which a
+/// prismatic joint does not change.
 fn second_only(moments: MassMoments<Scalar<'_>>) -> MassMoments<Scalar<'_>> {
     let zero = moments.mass.constant(0.0);
     MassMoments { mass: zero, first: Vector3::zero(zero), second: moments.second }
 }
 
-/// Shortest lever arm \[m\] for balancing. Shorter lever arms require masses that are so large that digits
-/// are lost.
+/// Shortest lever arm \[m\] at which a mass may balance a first moment. Shorter lever arms require masses
+/// that are so large that digits are lost.
 pub const SHORTEST_LEVER: f64 = 1e-3;
 
-/// A mass at the origin of a child's joint, which belongs to both bodies.
+/// A mass at the origin of a child's joint, which may belong to either of the joint's two bodies.
 struct Shared<'g> {
     child: usize,
-    /// Moments of a unit mass, in the parent's frame.
+    /// Moments of a unit mass at the child's joint, in the parent's frame.
     in_parent: MassMoments<Scalar<'g>>,
-    /// Component of the parent's first moment that becomes zero.
+    /// Component of the parent's first moment of mass that becomes zero.
     component: usize,
 }
 
@@ -124,7 +126,8 @@ fn shared_with<'g>(body: &Body<Scalar<'g>>, choice: RegroupChoice, child: usize)
     (body.axis == JointAxis::Revolute).then_some(Shared { child, in_parent, component })
 }
 
-/// The masses that balance a first moment. `None` if the levers are not constant or digits would be lost.
+/// The masses at the children's joints that balance a first moment of mass. `None` if the levers are not
+/// constant or digits would be lost.
 fn balancing_masses(shared: &[Shared<'_>], first: Vector3<Scalar<'_>>) -> Option<Vec<f64>> {
     let row = |component: usize| -> Option<Vec<f64>> {
         let levers = shared.iter().map(|each| each.in_parent.first[component].value());
@@ -153,7 +156,8 @@ fn solved(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
     Some((0..size).map(|k| rows[k][size] / rows[k][k]).collect())
 }
 
-/// Shifts mass between a revolute joint's origin and its parent until h_x of the parent is zero.
+/// Shifts mass between a revolute joint's origin and its parent until the x component of the parent's first
+/// moment is zero.
 fn balance_parent(bodies: &mut [Body<Scalar<'_>>], index: usize, parent: usize) {
     let origin = bodies[index].origin_in_parent();
     let (Some(hx), Some(px)) = (bodies[parent].moments.first[0].value(), origin[0].value()) else {

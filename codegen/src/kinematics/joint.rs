@@ -1,16 +1,16 @@
-//! Elementary joints of the recursions: rotation and translation.
+//! Elementary joints of the recursive equations: rotation and translation.
 
 use crate::graph::Scalar;
 use crate::model::JointKind;
 use crate::spatial::{Force, Motion, Vector3};
 
-/// Elementary motion of a joint. It determines the motion subspace S: the motion of the joint's body per unit
-/// of velocity, in the frame after the joint (Featherstone 2008, section 3.5). z is the joint's axis.
+/// Elementary motion of a joint. It determines the motion of the joint's body per unit of velocity, in the
+/// frame after the joint (Featherstone 2008, section 3.5). z is the joint's axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointAxis {
-    /// Rotation about z.
+    /// Rotation about the z axis, the joint's axis.
     Revolute,
-    /// Translation along z.
+    /// Translation along the z axis, the joint's axis.
     Prismatic,
 }
 
@@ -27,7 +27,7 @@ impl JointAxis {
         }
     }
 
-    /// Name of the motion.
+    /// Name of the elementary motion, for example `revolute`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Revolute => "revolute",
@@ -40,14 +40,14 @@ impl JointAxis {
         self == Self::Revolute
     }
 
-    /// S: motion of the joint's body per unit of velocity, about the body's origin.
+    /// Motion of the joint's body per unit of velocity, about the body's origin.
     pub fn unit_motion(self, any: Scalar<'_>) -> Motion<'_> {
         let zero = any.constant(0.0);
         self.along(Vector3([zero, zero, any.constant(1.0)]), Vector3::zero(any))
     }
 
-    /// The motion S of a joint with the direction `axis`, about another point than the body's origin.
-    /// `origin` is the vector from this point to the body's origin.
+    /// Motion of the joint's body per unit of velocity, for a joint with the direction `axis`, about another
+    /// point than the body's origin. `origin` is the vector from this point to the body's origin.
     pub fn along<'g>(self, axis: Vector3<Scalar<'g>>, origin: Vector3<Scalar<'g>>) -> Motion<'g> {
         match self {
             Self::Revolute => Motion { angular: axis, linear: origin.cross(axis) },
@@ -55,8 +55,8 @@ impl JointAxis {
         }
     }
 
-    /// `Sᵀ f`: generalized force of a spatial force f on the body. f is about the body's origin and in the
-    /// body's frame.
+    /// Generalized force `Sᵀ f` of a spatial force f on the body, with the motion S per unit of the joint's
+    /// velocity. f is about the body's origin and in the body's frame.
     pub fn force(self, f: Force<'_>) -> Scalar<'_> {
         match self {
             Self::Revolute => f.moment[2],

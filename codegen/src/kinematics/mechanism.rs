@@ -8,21 +8,22 @@ use crate::graph::{Graph, Scalar};
 use crate::numeric;
 use crate::spatial::{Angle, Attitude, MassMoments, Pose, Twist, Vector3, rotation_about};
 
-/// The moving bodies of a model. Parents precede children. Each body follows one or several coordinates.
+/// The moving bodies of a model with joints, rotors and gravity. Parents precede children. Each body follows
+/// one or several coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mechanism<S: Numbers> {
-    /// Graph of the scalars, or nodes without a graph.
+    /// Graph that contains the scalars, or list of nodes without a graph.
     pub graph: S::Graph,
-    /// Number of coordinates, including driven coordinates.
+    /// Number of coordinates of the robot, including driven coordinates (with prescribed motion).
     pub coordinates: usize,
-    /// Number of driven coordinates. They are the last coordinates.
+    /// Number of driven coordinates, whose motion is prescribed. They are the last coordinates.
     pub driven: usize,
-    /// Index of each coordinate's position in the position entries y; `None` if the position belongs to a
+    /// Index of each coordinate's position among the position entries; `None` if the position belongs to a
     /// quaternion.
     pub positions: Vec<Option<usize>>,
-    /// Moving bodies, parents first.
+    /// Moving bodies of the robot. Parents precede children.
     pub bodies: Vec<Body<S>>,
-    /// Gravitational acceleration in the base frame [m/s²].
+    /// Gravitational acceleration in the base frame (m/s²).
     pub gravity: Vector3<S>,
     /// Rotors that turn relative to the body that carries them.
     pub rotors: Vec<Rotor<S>>,
@@ -40,32 +41,32 @@ pub struct Body<S> {
     pub name: String,
     /// Identifier of the joint, for names of values in generated code.
     pub identifier: String,
-    /// Index among the moving joints: first the joints of the coordinates, then followers.
+    /// Index among the moving joints: first the joints of the coordinates, then joints that follow them.
     pub joint: usize,
     /// Whether this is the slide of a helical joint: a massless body between the joint's parent and the body
     /// that the joint turns.
     pub is_screw_slide: bool,
-    /// Coordinates that the joint follows, with their ratios.
+    /// Coordinates that the body's joint follows, with their ratios.
     pub transmission: Transmission<S>,
     /// Place of this body in the chain of bodies of a joint with a quaternion; `None` for other joints.
     pub chain: Option<ChainPlace>,
-    /// Rotation by the quaternion; `None` except for the first body of a chain. The rotation follows the
-    /// twist and the offset, and precedes the body's motion.
+    /// Rotation by the quaternion of a joint; `None` except for the first body of such a joint. The rotation
+    /// follows the constant rotation between the links and precedes the body's motion.
     pub attitude: Option<Attitude<S>>,
     /// Index of the parent body; `None` if the base carries the joint.
     pub parent: Option<usize>,
-    /// Type of the joint.
+    /// Elementary motion of the body's joint: rotation or translation.
     pub axis: JointAxis,
-    /// Rotation from the parent's frame to the joint's frame before its motion.
+    /// Constant rotation from the parent's frame to the joint's frame before its motion.
     pub twist: Twist,
     /// Vector from the parent's origin to the joint's axis, in the parent's frame and unit of length.
     pub translation: Vector3<S>,
-    /// Distance along the axis from the end of `translation` to this body's origin, in this body's unit of
-    /// length.
+    /// Distance along the joint's axis from the end of `translation` to this body's origin, in this body's
+    /// unit of length.
     pub lift: S,
-    /// Angle about z at position 0 of the coordinate.
+    /// Angle about the joint's axis at position 0 of the coordinate.
     pub offset: Angle,
-    /// Moments of mass, in this body's unit of length.
+    /// Moments of mass of the body, in this body's unit of length.
     pub moments: MassMoments<S>,
     /// Unit of length (m) for the forces, accelerations and masses of this body, and for the translations of
     /// its children.
@@ -84,21 +85,22 @@ pub struct Rotor<S> {
     /// Index of the body whose joint the drive moves; `None` if the drive moves a sum of coordinates.
     pub driven: Option<usize>,
     /// Index of the body that carries the rotor; `None` for the base, and for rotors that only enter the
-    /// diagonal of M.
+    /// diagonal of the mass matrix.
     pub carrier: Option<usize>,
-    /// Axis of the rotor in the carrier's frame.
+    /// Axis of the rotor in the carrier's frame, with unit length.
     pub axis: Vector3<S>,
-    /// Axial inertia J_R [kg m²].
+    /// Axial inertia J_R of the rotor (kg m²).
     pub inertia: S,
 }
 
 impl<'g> Rotor<Scalar<'g>> {
-    /// Coupling inertia `i J_R` with the gear ratio i and the axial inertia J_R.
+    /// Inertia `i J_R` of the rotor that couples joint and carrier, with the gear ratio i and the axial
+    /// inertia J_R.
     pub fn coupling_inertia(&self) -> Scalar<'g> {
         self.ratio * self.inertia
     }
 
-    /// Reflected inertia `i² J_R` with the gear ratio i and the axial inertia J_R.
+    /// Inertia `i² J_R` of the rotor that acts at its joint, with the gear ratio i and the axial inertia J_R.
     pub fn reflected_inertia(&self) -> Scalar<'g> {
         self.ratio * self.coupling_inertia()
     }
@@ -116,12 +118,13 @@ impl<S: Numbers> Mechanism<S> {
         self.bodies.iter().any(|body| body.chain.is_some())
     }
 
-    /// Number of free coordinates, that is of coordinates that are not driven.
+    /// Number of free coordinates, that is without the coordinates whose motion is prescribed.
     pub fn free(&self) -> usize {
         self.coordinates - self.driven
     }
 
-    /// Bodies with independent joints that are not driven, parents first. A helical joint has one such body.
+    /// Bodies with independent joints whose motion is not prescribed. Parents precede children. A helical
+    /// joint has one such body.
     pub fn independent(&self) -> impl Iterator<Item = &Body<S>> {
         self.bodies.iter().filter(|body| body.joint < self.free() && !body.is_screw_slide)
     }
@@ -178,8 +181,8 @@ impl<S> Body<S> {
 }
 
 impl<'g> Body<Scalar<'g>> {
-    /// Origin of this body in the parent's frame, at position 0 of a prismatic joint. If the twist has an
-    /// angle γ, the translation along the axis has a component along the parent's x.
+    /// Origin of this body in the parent's frame, at position 0 of a prismatic joint. If the constant
+    /// rotation has an angle γ about z, the translation along the axis has a component along the parent's x.
     pub fn origin_in_parent(&self) -> Vector3<Scalar<'g>> {
         let zero = self.lift.constant(0.0);
         self.translation + self.twist.to_parent(Vector3([zero, zero, self.lift]))
@@ -187,7 +190,8 @@ impl<'g> Body<Scalar<'g>> {
 }
 
 impl Body<Number> {
-    /// Component of [`Self::origin_in_parent`] along the parent's x; `None` if it depends on free parameters.
+    /// Component along the parent's x of [`Self::origin_in_parent`], the position of the body's origin;
+    /// `None` if it depends on free parameters.
     pub fn lever(&self) -> Option<f64> {
         let share = self.twist.matrix()[(0, 2)];
         let lifted = if share == 0.0 { 0.0 } else { share * self.lift.value()? };
@@ -228,8 +232,8 @@ impl<'g> Mechanism<Scalar<'g>> {
         self.gravity.map(|x| scaled_down(x, self.bodies[root].length_unit))
     }
 
-    /// Moves the origin of a revolute body along its axis, so that the body's lift becomes 0. The lift is
-    /// added to the translations of the children.
+    /// Moves the origin of a revolute body along its axis, so that the translation along the axis becomes 0.
+    /// This translation is added to those of the children.
     pub fn leave_lift_to_children(&mut self, index: usize) {
         let zero = self.graph.constant(0.0);
         let lift = std::mem::replace(&mut self.bodies[index].lift, zero);
@@ -243,8 +247,8 @@ impl<'g> Mechanism<Scalar<'g>> {
         }
     }
 
-    /// Adds the lift of a revolute body to the translation from its parent. If the new lever is equal to a
-    /// sibling's lever within rounding, both become the same number.
+    /// Adds the translation along a revolute body's axis to the translation from its parent. If the distance
+    /// from the parent is then equal to a sibling's within rounding, both become the same number.
     pub fn leave_lift_to_parent(&mut self, index: usize) {
         let origin = self.bodies[index].origin_in_parent();
         let parent = self.bodies[index].parent;
@@ -260,7 +264,8 @@ impl<'g> Mechanism<Scalar<'g>> {
         body.lift = self.graph.constant(0.0);
     }
 
-    /// Rotates a leaf's frame about its axis so that the first moment of mass has no y component.
+    /// Rotates the frame of a body without children about its axis so that the first moment of mass has no y
+    /// component.
     pub fn align_first_moment(&mut self, index: usize) {
         let first = self.bodies[index].moments.first;
         if let (Some(x), Some(y)) = (first[0].value(), first[1].value())
@@ -271,7 +276,8 @@ impl<'g> Mechanism<Scalar<'g>> {
         }
     }
 
-    /// Rotates a leaf's frame about its axis so that the second moment of mass has no xy component.
+    /// Rotates the frame of a body without children about its axis so that the second moment of mass has no
+    /// xy component.
     pub fn align_second_moment(&mut self, index: usize) {
         let second = self.bodies[index].moments.second;
         if let (Some(xx), Some(xy), Some(yy)) = (second.xx.value(), second.xy.value(), second.yy.value())
@@ -282,8 +288,8 @@ impl<'g> Mechanism<Scalar<'g>> {
         }
     }
 
-    /// Rotates the frame of a leaf about its axis. All quantities in this frame are rotated in the opposite
-    /// direction.
+    /// Rotates the frame of a body without children about its axis. All quantities in this frame are rotated
+    /// in the opposite direction.
     ///
     /// The angle is rounded to 2⁻⁵⁰. Otherwise different shifts of mass would give angles with different last
     /// bits, and sines of both angles would be computed.
@@ -312,7 +318,7 @@ impl<'g> Mechanism<Scalar<'g>> {
     }
 }
 
-/// Levers are equal if they differ by at most this value \[m\].
+/// Largest difference \[m\] of two bodies' distances from their parent that counts as equal.
 const SAME_LEVER: f64 = 1e-15;
 
 /// The quotient `x / unit`, which is exactly 1 if both are the same constant.

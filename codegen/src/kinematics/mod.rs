@@ -2,8 +2,8 @@
 //! copies the mechanism [to its graph](Mechanism::on).
 //!
 //! Fixed and held links become part of the body that carries them. Link frames follow the modified
-//! Denavit–Hartenberg convention (Craig 1986; Khalil and Kleinfinger 1986), whatever frames the description
-//! uses. Inertial constants that act only as sums are shifted towards the base.
+//! Denavit–Hartenberg convention (Craig 1986; Khalil and Kleinfinger 1986), regardless of the frames in the
+//! description. Inertial constants that act only as sums are shifted towards the base.
 
 mod build;
 mod frames;

@@ -1,4 +1,4 @@
-//! Numbers of mechanisms: scalars of a graph, or values without a graph.
+//! Number types of mechanisms: scalars of a graph, or values without a graph.
 
 use std::fmt;
 
@@ -10,12 +10,13 @@ pub trait Numbers: Copy {
     type Graph;
 }
 
-/// Scalars belong to a graph.
+/// Scalars of a graph as numbers of a mechanism.
 impl<'g> Numbers for Scalar<'g> {
     type Graph = &'g Graph;
 }
 
-/// Constants need no graph. Formulas refer to the nodes that the mechanism stores.
+/// Constants and formulas without a graph as numbers of a mechanism. Formulas refer to the nodes that the
+/// mechanism stores.
 impl Numbers for Number {
     type Graph = Nodes;
 }
@@ -23,7 +24,7 @@ impl Numbers for Number {
 /// A number of a mechanism without a graph.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Number {
-    /// A constant.
+    /// A number that depends on no parameter.
     Constant(f64),
     /// A formula of free parameters, as an edge to a node of the mechanism.
     Formula(Edge),

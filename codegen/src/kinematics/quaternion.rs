@@ -1,8 +1,8 @@
 //! Joints with quaternions in a mechanism.
 //!
 //! A joint with a quaternion is a chain of bodies, one per velocity. The last body has the mass and carries
-//! other bodies. All joints of the chain are at position 0, because the pose from the position entries
-//! precedes the first body. The velocities are velocities of the last body in the frame of this body.
+//! other bodies. All joints of the chain are at position 0, because the pose given by the position entries
+//! comes before the first body. The velocities are velocities of the last body in the frame of this body.
 
 use nalgebra::{Matrix3, Vector3 as Numeric3};
 
@@ -10,7 +10,7 @@ use crate::graph::{Graph, Scalar};
 use crate::model::{Model, QuaternionJoint, QuaternionKind};
 use crate::spatial::{Attitude, Pose, Vector3};
 
-/// Place of a body in the chain of a joint with a quaternion.
+/// Place of a body in the chain of bodies that replaces a joint with a quaternion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChainPlace {
     /// Index of the first body of the chain.
@@ -31,31 +31,32 @@ pub(super) fn chain_place(model: &Model, coordinate: usize, index: usize) -> Opt
     Some(ChainPlace { first, last: first + joint.kind.velocities() - 1, axis: place % 3 })
 }
 
-/// Every chain begins with a motion along or about x.
+/// Axis along or about which the first body of every joint with a quaternion moves: x.
 const FIRST: usize = 0;
 
-/// Axes of the description's frame that become the axes x, y, z of the body that moves along `axis`.
+/// Axes of the description's frame that become the axes x, y, z of the body that moves along or about `axis`.
 fn axes(axis: usize) -> [usize; 3] {
     [(axis + 1) % 3, (axis + 2) % 3, axis]
 }
 
-/// Frame of a body of a chain, in the link's frame. z is along the body's motion.
+/// Frame of a body that replaces one velocity of a joint with a quaternion, in the link's frame. z is along
+/// the body's motion.
 pub(super) fn frame(graph: &Graph, place: ChainPlace) -> Pose<Scalar<'_>> {
     let columns =
         axes(place.axis).map(|axis| Numeric3::from_fn(|row, _| if row == axis { 1.0 } else { 0.0 }));
     Pose { rotation: Matrix3::from_columns(&columns), ..Pose::identity(graph) }
 }
 
-/// Displacement of the first body of a joint's chain. It depends on the position entries.
+/// Displacement by the position entries of a joint with a quaternion, applied at the joint's first body.
 pub(super) struct Displaced<'g> {
     /// Rotation of the first body's frame by the quaternion.
     pub attitude: Attitude<Scalar<'g>>,
-    /// Origin in the joint's frame of the description; `None` for a spherical joint.
+    /// Origin of the moved body in the joint's frame of the description; `None` for a spherical joint.
     pub origin: Option<Vector3<Scalar<'g>>>,
 }
 
-/// Displacement of the first body of a joint's chain. The positions are entries of the first input array,
-/// which all functions with positions have.
+/// Displacement by the position entries of a joint with a quaternion. The entries belong to the first input
+/// array, which all functions with positions have.
 pub(super) fn displaced<'g>(graph: &'g Graph, model: &Model, joint: &QuaternionJoint) -> Displaced<'g> {
     let entries = position_entries(graph, model, joint);
     Displaced {
@@ -66,13 +67,13 @@ pub(super) fn displaced<'g>(graph: &'g Graph, model: &Model, joint: &QuaternionJ
 
 /// Position entries of a joint with a quaternion.
 pub struct PositionEntries<'g> {
-    /// Position of the body's origin; `None` for a spherical joint.
+    /// Position of the body's origin in the parent's frame; `None` for a spherical joint.
     pub origin: Option<Vector3<Scalar<'g>>>,
-    /// The quaternion x y z w.
+    /// The unit quaternion x y z w of the joint's rotation.
     pub quaternion: [Scalar<'g>; 4],
 }
 
-/// The entries of y that belong to a joint with a quaternion.
+/// The position entries that belong to a joint with a quaternion, as inputs of the graph.
 pub fn position_entries<'g>(graph: &'g Graph, model: &Model, joint: &QuaternionJoint) -> PositionEntries<'g> {
     let first = model.first_position(joint.first);
     let entry = |k: usize| graph.input(POSITIONS, first + k);
@@ -82,5 +83,5 @@ pub fn position_entries<'g>(graph: &'g Graph, model: &Model, joint: &QuaternionJ
     }
 }
 
-/// Index of the input array of positions.
+/// Index of the input array that contains the positions.
 pub const POSITIONS: usize = 0;

@@ -1,24 +1,24 @@
-//! Transmission of motion: the motions of joints and rotors as functions of the coordinates.
+//! Transmission of motion from the coordinates to joints and rotors.
 
 use crate::graph::Scalar;
 
 /// A joint or rotor that follows coordinates. Its position is `Σ ratio · y[coordinate]` plus a constant
-/// offset, which is a part of the frames. The ratios are a row of G in `y_joint = G y + g₀`.
+/// offset, which is a part of the frames.
 ///
-/// A joint whose axis was reversed has the ratio −1. A follower has a term for each coordinate that it
-/// follows.
+/// A joint whose axis was reversed has the ratio −1. A joint that follows several coordinates has a term for
+/// each of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transmission<S> {
     /// Followed coordinates, each once.
     pub terms: Vec<Followed<S>>,
 }
 
-/// A coordinate that a joint follows.
+/// A coordinate that a joint or rotor follows, with the ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Followed<S> {
-    /// The coordinate.
+    /// Index of the followed coordinate.
     pub coordinate: usize,
-    /// Motion per unit of the coordinate's motion.
+    /// Motion of the joint or rotor per unit of the coordinate's motion.
     pub ratio: S,
 }
 
@@ -28,7 +28,7 @@ impl<S: Copy> Transmission<S> {
         Self { terms: vec![Followed { coordinate, ratio }] }
     }
 
-    /// The coordinate if there is exactly one; otherwise `None`.
+    /// The followed coordinate if there is exactly one; otherwise `None`.
     pub fn single(&self) -> Option<Followed<S>> {
         match self.terms[..] {
             [followed] => Some(followed),
@@ -94,8 +94,8 @@ impl<'g> Transmission<Scalar<'g>> {
         }
     }
 
-    /// Adds the force along the motion per unit of one coordinate's motion: `matrix[coordinate][column] +=
-    /// ratio · force`.
+    /// Adds a force along this motion that a unit of one coordinate's motion causes:
+    /// `matrix[coordinate][column] += ratio · force`.
     pub fn add_row_entry(&self, column: usize, force: Scalar<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
         for term in &self.terms {
             let sum = &mut matrix[term.coordinate][column];
@@ -103,14 +103,15 @@ impl<'g> Transmission<Scalar<'g>> {
         }
     }
 
-    /// Adds the force on one coordinate per unit of the motion: `matrix[row][coordinate] += force · ratio`.
+    /// Adds a force on one coordinate that a unit of this motion causes:
+    /// `matrix[row][coordinate] += force · ratio`.
     pub fn add_column_entry(&self, row: usize, force: Scalar<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
         self.add_force(force, &mut matrix[row]);
     }
 
-    /// Adds the force along the motion per unit of one coordinate's motion, and its mirror image, to a
-    /// symmetric matrix: `ratio · force` in the row and in the column of `coordinate`. If the motion also
-    /// follows this coordinate, the diagonal entry gets both.
+    /// Adds a force along this motion that a unit of one coordinate's motion causes, and its mirror image, to
+    /// a symmetric matrix. `ratio · force` is added in the row and in the column of `coordinate`. If this
+    /// motion also follows that coordinate, the diagonal entry gets both.
     pub fn add_coupling(&self, coordinate: usize, force: Scalar<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
         self.add_row_entry(coordinate, force, matrix);
         self.add_column_entry(coordinate, force, matrix);

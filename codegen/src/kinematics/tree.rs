@@ -1,5 +1,5 @@
-//! Moving bodies of a model in the frames of the description. Fixed and held bodies are part of the moving
-//! body that carries them.
+//! Moving bodies of a model in the frames of the description. Fixed bodies and bodies of held joints are part
+//! of the moving body that carries them.
 
 use super::inertia::moments_of_body;
 use super::joint::JointAxis;
@@ -10,24 +10,24 @@ use crate::spatial::{MassMoments, Pose, Vector3, rotate, rotation_about};
 
 /// The tree of moving bodies, in the frames of the description.
 pub struct DescribedTree<'g> {
-    /// Bodies, parents first.
+    /// Moving bodies of the tree. Parents precede children.
     pub bodies: Vec<DescribedBody<'g>>,
     /// For each link, the body that carries the link (`None`: base), and the pose of the link in the body's
     /// frame.
     pub links: Vec<(Option<usize>, Pose<Scalar<'g>>)>,
 }
 
-/// A moving body in the frame of the description.
+/// A moving body of a model in the frame of the description.
 pub struct DescribedBody<'g> {
     /// Index of the link that the joint carries.
     pub link: usize,
     /// Index of the joint among the model's moving joints.
     pub joint: usize,
-    /// Motion of this body relative to its parent.
+    /// Rotation or translation of this body relative to its parent.
     pub motion: JointAxis,
-    /// Rate of this motion per unit of the joint's velocity.
+    /// Rate of the body's rotation or translation per unit of the joint's velocity.
     pub rate: f64,
-    /// Whether this is the slide of a helical joint.
+    /// Whether this body is the slide of a helical joint.
     pub is_screw_slide: bool,
     /// Index of the parent body; `None` for the base.
     pub parent: Option<usize>,
@@ -121,7 +121,7 @@ impl<'g> DescribedTree<'g> {
     }
 }
 
-/// Displacement of a link by its joint at `position`.
+/// Pose of a link in its joint's frame if the joint is at `position`.
 fn displacement<'g>(graph: &'g Graph, joint: &Joint, position: f64) -> Pose<Scalar<'g>> {
     let mut pose = Pose::identity(graph);
     for (motion, rate) in JointAxis::of(joint.kind) {

@@ -14,12 +14,12 @@ use gelenk_findings::Rule;
 /// Fixture: `a_cylinder_that_alone_moves_a_joint_through_its_dead_centre_is_told` in `codegen/tests/motion_limits.rs`.
 const DEAD_CENTRE: Rule = Rule::warning("dead-centre");
 
-/// A lever arm at an end of the range counts as zero below this share of the longest lever arm.
+/// A lever arm at an end of the joint's range counts as zero below this fraction of the longest lever arm.
 const NONE: f64 = 1e-6;
 
-/// Warns if an input is the only input on a joint and has a dead centre within the joint's range. Cylinders
-/// over several joints are skipped: if their lever about one joint vanishes, the other joints determine their
-/// effect.
+/// Warns if a cylinder alone moves a joint and has a zero lever arm (dead centre) within the joint's range.
+/// Cylinders over several joints are skipped: if their lever about one joint vanishes, the other joints
+/// determine their effect.
 pub(super) fn warn(
     force: &PointForceDescription,
     distances: &Distances<'_>,
@@ -68,7 +68,8 @@ fn others_act_on(link: usize, force: &PointForceDescription, model: &Model) -> b
     driven.any(|moved| model.link_of(moved.coordinate) == Some(link)) || others.any(pulls)
 }
 
-/// Positions at which the derivative of a distance changes its sign, or vanishes at an end of the range.
+/// Positions of a joint at which the derivative of a distance changes its sign, or vanishes at an end of the
+/// range.
 fn dead_centres(distances: &Distances<'_>, link: usize, range: [f64; 2]) -> Vec<f64> {
     let lever = |position: f64| distances.slope(link, position);
     let levers: Vec<[f64; 2]> = places(range).into_iter().map(|at| [at, lever(at)]).collect();

@@ -1,4 +1,5 @@
-//! Distances of frames: at seeded states, at the ends of the joints' ranges, and the least distance.
+//! Distances of two frames: at pseudo-random states, at the ends of the joints' ranges, and the least
+//! distance.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -6,24 +7,24 @@ use crate::model::regularity::{child_from_parent, positions, product_and_sum};
 use crate::model::{Attachment, Model, Motion};
 use crate::random::Random;
 
-/// Number of seeded states that are tried.
+/// Number of pseudo-random states at which the distance is computed.
 const STATES: usize = 64;
 const SEED: u64 = 0x6469_7374_616e_6365;
 
-/// Number of the closest states from which descents begin.
+/// Number of the states with the least distances from which a search for the least distance begins.
 const STARTS: usize = 8;
-/// Largest number of steps of a descent. A descent takes about 12 steps, and about 60 steps if the distance
-/// only touches zero.
+/// Largest number of steps of a search for the least distance. A search takes about 12 steps, and about 60
+/// steps if the distance only touches zero.
 const STEPS: usize = 100;
 /// Step of the central differences, in rad or m.
 const DIFFERENCE: f64 = 1e-6;
 
-/// Number of intervals of a joint's range.
+/// Number of intervals into which a joint's range is divided.
 const INTERVALS: u32 = 720;
-/// Number of halvings after which the ends of an interval are neighbouring floating-point numbers.
+/// Number of bisection steps after which the ends of an interval are neighbouring floating-point numbers.
 const HALVINGS: u32 = 64;
 
-/// Positions in a joint's range, including both ends.
+/// Equally spaced positions in a joint's range, including both ends.
 pub(super) fn places([low, high]: [f64; 2]) -> Vec<f64> {
     let part = |k: u32| f64::from(k) / f64::from(INTERVALS);
     (0..=INTERVALS).map(|k| low + (high - low) * part(k)).collect()
@@ -42,20 +43,20 @@ pub(super) fn crossing([mut before, mut behind]: [f64; 2], is_so: impl Fn(f64) -
 pub(super) struct Distances<'m> {
     model: &'m Model,
     between: &'m [Attachment; 2],
-    /// Described values of the free parameters.
+    /// Values of the free parameters, usually those of the description.
     described: Vec<f64>,
     /// Positions of the links' joints. First all joints are at 0 or at the position closest to 0, then at
-    /// their lowest and at their highest position, then at seeded states.
+    /// their lowest and at their highest position, then at pseudo-random states.
     states: Vec<Vec<f64>>,
 }
 
-/// Least distance of two frames that the descents found.
+/// Least distance of two frames that the searches found.
 pub(super) struct Closest {
-    /// Distance of the frames [m].
+    /// Least distance of the frames (m).
     pub(super) distance: f64,
-    /// Names and positions of the coordinates that change the distance.
+    /// Names and positions of the coordinates that change the distance of the frames, at the least distance.
     pub(super) positions: Vec<(String, f64)>,
-    /// Whether all these coordinates have limits.
+    /// Whether all coordinates that change the distance have limits.
     pub(super) is_limited: bool,
 }
 
@@ -65,7 +66,7 @@ impl<'m> Distances<'m> {
         Self::with_parameters(model, between, described)
     }
 
-    /// Distances for these values of the free parameters.
+    /// Creates the distances for given values of the free parameters.
     ///
     /// - `described`: values of the free parameters
     pub(super) fn with_parameters(
@@ -84,12 +85,12 @@ impl<'m> Distances<'m> {
         Self { model, between, described, states }
     }
 
-    /// Distances at the seeded states [m].
+    /// Distances of the frames at the pseudo-random states (m).
     pub(super) fn at_states(&self) -> Vec<f64> {
         self.states.iter().map(|state| self.gap(state).norm()).collect()
     }
 
-    /// Least distance that descents from the closest states find, within the limits of the coordinates.
+    /// Least distance that searches from the closest states find, within the limits of the coordinates.
     pub(super) fn closest(&self) -> Closest {
         let mut starts: Vec<(f64, &Vec<f64>)> =
             self.states.iter().map(|state| (self.gap(state).norm(), state)).collect();
@@ -110,8 +111,8 @@ impl<'m> Distances<'m> {
         }
     }
 
-    /// Links of the coordinates that change the distance, including driven coordinates. All other coordinates
-    /// do not move the frames relative to each other.
+    /// Links of the coordinates that change the distance of the frames, including coordinates with prescribed
+    /// motion. All other coordinates do not move the frames relative to each other.
     pub(super) fn changing(&self) -> Vec<usize> {
         let changes = |link: &usize| {
             let rate = |state: &Vec<f64>| self.gap(state).normalize().dot(&self.rate(state, *link));
@@ -120,19 +121,19 @@ impl<'m> Distances<'m> {
         self.coordinates().filter(changes).collect()
     }
 
-    /// Distance \[m\] with one coordinate at a position. All other coordinates are as close to 0 as their
-    /// limits allow.
+    /// Distance of the frames \[m\] with one coordinate at `position`. All other coordinates are as close to
+    /// 0 as their limits allow.
     pub(super) fn with(&self, link: usize, position: f64) -> f64 {
         self.gap(&self.moved(&self.states[0], &[(link, position)])).norm()
     }
 
-    /// Derivative of [`Self::with`] with respect to the position.
+    /// Derivative of the distance [`Self::with`] with respect to the position of the coordinate.
     pub(super) fn slope(&self, link: usize, position: f64) -> f64 {
         let [forward, backward] = [1.0, -1.0].map(|sign| self.with(link, position + sign * DIFFERENCE));
         (forward - backward) / (2.0 * DIFFERENCE)
     }
 
-    /// Vector from the first frame to the second frame.
+    /// Vector from the first frame to the second frame, in the base frame.
     fn gap(&self, state: &[f64]) -> Vector3<f64> {
         let [a, b] = self.between.each_ref().map(|at| origin(self.model, &self.described, state, at));
         Vector3::from(b) - Vector3::from(a)
@@ -164,14 +165,14 @@ impl<'m> Distances<'m> {
         })
     }
 
-    /// Derivative of the gap along a coordinate.
+    /// Derivative of the vector between the frames along a coordinate.
     fn rate(&self, state: &[f64], link: usize) -> Vector3<f64> {
         let at = |step: f64| self.gap(&self.moved(state, &[(link, state[link] + step)]));
         (at(DIFFERENCE) - at(-DIFFERENCE)) / (2.0 * DIFFERENCE)
     }
 
-    /// A minimum of the distance, found by damped least squares (Levenberg 1944, Marquardt 1963). Coordinates
-    /// stay within their limits.
+    /// Finds a state with a minimum of the distance by damped least squares (Levenberg 1944, Marquardt 1963).
+    /// Coordinates stay within their limits.
     fn descend(&self, mut state: Vec<f64>) -> Vec<f64> {
         let mut damping = 1e-3;
         let mut rates = self.free_rates(&state);
@@ -200,7 +201,8 @@ impl<'m> Distances<'m> {
         state
     }
 
-    /// Derivatives of the gap along the coordinates whose limits allow a motion that shortens the distance.
+    /// Derivatives of the vector between the frames along the coordinates whose limits allow a motion that
+    /// shortens the distance.
     fn free_rates(&self, state: &[f64]) -> Vec<(usize, Vector3<f64>)> {
         let gap = self.gap(state);
         let rates = self.coordinates().map(|link| (link, self.rate(state, link)));

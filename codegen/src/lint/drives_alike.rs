@@ -1,4 +1,4 @@
-//! Drives with linearly dependent effects on the joints.
+//! Drives whose effects on the joints are linearly dependent.
 
 use nalgebra::DMatrix;
 

@@ -1,4 +1,4 @@
-//! Followers that cancel the motion of the joint which carries them.
+//! Joints that follow the joint carrying them and cancel its motion.
 
 use nalgebra::Vector3;
 
@@ -15,7 +15,8 @@ use gelenk_findings::Rule;
 /// Fixture: `a_joint_that_undoes_the_motion_below_it_is_noted` in `codegen/tests/meaning.rs`.
 const STANDS_STILL: Rule = Rule::note("follower-stands-still");
 
-/// Adds a note about each follower whose link does not move relative to the previous link.
+/// Adds a note about each joint that follows others and whose link does not move relative to the previous
+/// link.
 pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report) {
     let described = model.described_parameters();
     for follower in &model.followers {
@@ -23,8 +24,8 @@ pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report)
     }
 }
 
-/// Adds a note if a follower cancels the motion of the joint that carries it. Fingers of a gripper do this if
-/// they have no `parent`.
+/// Adds a note if a joint that follows others cancels the motion of the joint that carries it. Fingers of a
+/// gripper do this if they have no `parent`.
 fn note_stillness(
     robot: &RobotDescription,
     model: &Model,

@@ -1,4 +1,4 @@
-//! Force laws between the same two points.
+//! Several force laws between the same two points.
 
 use super::levers::ROUNDING;
 use crate::description::RobotDescription;
@@ -33,7 +33,7 @@ pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report)
     }
 }
 
-/// Whether two pairs are the same points, in either order.
+/// Whether two pairs of frames are at the same two points, in either order.
 fn are_between([a, b]: &[Attachment; 2], [c, d]: &[Attachment; 2], described: &[f64]) -> bool {
     let value = |x: &Formula| x.evaluate(described, 0.0, 0.0);
     let same = |one: &Attachment, other: &Attachment| {

@@ -1,4 +1,4 @@
-//! Checks of forces between frames: distances that vanish, and probable mistakes in laws.
+//! Checks of forces between frames: distances that vanish, and probable mistakes in force laws.
 
 use super::distances::Distances;
 use super::{dead_centres, idle_inputs};
@@ -27,23 +27,24 @@ const DRIVING_FORCE: Rule = Rule::warning("driving-force");
 /// Fixture: `codegen/tests/snapshots/bad/strokes.toml.snap`.
 const DRIVE_BESIDE: Rule = Rule::note("drive-beside-input");
 
-/// Shorter distances count as zero \[m\].
+/// Shorter distances between frames count as zero \[m\].
 const SHORTEST: f64 = 1e-9;
-/// Largest relative difference of the longest and the shortest distance that counts as constant.
+/// Largest relative difference of the longest and the shortest distance between two frames that counts as
+/// constant.
 const CONSTANT: f64 = 1e-9;
-/// Rates of a distance at which laws are evaluated [m/s], with both signs. The rate 0 is added.
+/// Rates of a distance at which force laws are evaluated (m/s), with both signs. The rate 0 is added.
 const RATES: [f64; 5] = [1e-3, 1e-2, 0.1, 1.0, 10.0];
-/// A law has a pole between two of the evaluated distances if it is this many times larger there than at all
-/// evaluated distances.
+/// A force law has a pole between two of the evaluated distances if it is this many times larger there than
+/// at all evaluated distances.
 const POLE: f64 = 1e6;
-/// Number of steps of the search for a pole.
+/// Number of steps of the search for a pole of a force law.
 const THIRDS: u32 = 80;
 const FINITE: &str =
     "a force law must be finite at every distance within the joints' limits, including standstill";
-/// Number of distances at which laws are evaluated, including both ends.
+/// Number of distances at which force laws are evaluated, including both ends.
 const LENGTHS: i32 = 21;
 
-/// Checks forces with the geometry of the whole model.
+/// Checks forces between frames with the geometry of the whole model.
 pub(super) fn check(robot: &RobotDescription, model: &Model, report: &mut Report) {
     for force in &robot.point_forces {
         let Some(between) = between(force, model) else { continue };
@@ -104,7 +105,8 @@ fn has_direction(force: &PointForceDescription, found: &[f64], report: &mut Repo
     shortest >= SHORTEST
 }
 
-/// Adds the least distance over all positions to the found distances. Reports a distance of zero.
+/// Adds the least distance between two frames over all positions to the found distances. If it is zero, it is
+/// reported instead. Returns `false` if this is an error, because all joints have limits.
 fn keeps_direction(
     force: &PointForceDescription,
     distances: &Distances<'_>,
@@ -176,7 +178,8 @@ fn check_law(
     }
 }
 
-/// Warns if the rate-dependent part of a law adds energy in every motion: a damper with the opposite sign.
+/// Warns if the rate-dependent part of a force law adds energy in every motion, as a damper with the opposite
+/// sign does.
 fn warn_of_drive(
     force: &PointForceDescription,
     law: &At<Formula>,
@@ -197,8 +200,8 @@ fn warn_of_drive(
     }
 }
 
-/// A place between `places` at which the magnitude has a pole: a maximum that grows without bound as it is
-/// approached. `None` without a pole.
+/// A place between `places` at which the magnitude of a function has a pole: a maximum that grows without
+/// bound as it is approached. `None` without a pole.
 fn pole(places: &[f64], magnitude: impl Fn(f64) -> f64) -> Option<f64> {
     let largest = places.iter().fold(0.0_f64, |most, place| most.max(magnitude(*place)));
     let around =
@@ -209,7 +212,7 @@ fn pole(places: &[f64], magnitude: impl Fn(f64) -> f64) -> Option<f64> {
     highest.find(|place| largest > 0.0 && magnitude(*place) > POLE * largest)
 }
 
-/// Place of the largest value between two places, by repeated division into thirds.
+/// Place of the largest value of a function between two places, by repeated division into thirds.
 fn maximum([mut low, mut high]: [f64; 2], value: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..THIRDS {
         let third = (high - low) / 3.0;

@@ -1,4 +1,4 @@
-//! Inputs at frames without effect: their column of B is zero.
+//! Inputs at frames without effect: their column of the input matrix is zero.
 
 use super::levers::{ROUNDING, columns};
 use crate::description::{Name, RobotDescription, WrenchInputDescription};
@@ -16,7 +16,7 @@ const MOVES_NOTHING: Rule = Rule::warning("input-moves-nothing");
 
 const SEED: u64 = 0x6964_6c65;
 
-/// Reports wrench inputs without effect.
+/// Reports wrench inputs that move no joint.
 pub(super) fn check_wrenches(robot: &RobotDescription, model: &Model, report: &mut Report) {
     let wrenches = model.force_inputs.iter().enumerate().skip(pulls(model));
     for (input, (index, found)) in robot.wrench_inputs.iter().zip(wrenches) {
@@ -34,7 +34,7 @@ fn pulls(model: &Model) -> usize {
     model.force_inputs.iter().filter(|input| matches!(input.effect, ForceEffect::Pull(_))).count()
 }
 
-/// Whether a coordinate moves a link, through an independent joint or a follower.
+/// Whether a coordinate moves a link, through an independent joint or a joint that follows others.
 fn is_moved(link: usize, model: &Model) -> bool {
     let parent = |link: &usize| model.links[*link].joint.as_ref().map(|joint| joint.parent);
     let follows = |link: usize| {
@@ -44,7 +44,7 @@ fn is_moved(link: usize, model: &Model) -> bool {
     std::iter::successors(Some(link), parent).any(|link| model.coordinates.contains(&link) || follows(link))
 }
 
-/// Rejects an input that acts only on driven joints.
+/// Rejects an input that acts only on driven joints, whose motion is prescribed.
 pub(super) fn refuse_on_driven(name: &Name, model: &Model, report: &mut Report) {
     let driven: Vec<&str> = model.driven_joints().map(|joint| joint.name.as_str()).collect();
     let driven = list(driven.into_iter());

@@ -12,7 +12,7 @@ use gelenk_findings::Rule;
 /// Fixture: `inputs_that_act_alike_are_noted` in `codegen/tests/doubts.rs`.
 const INPUTS_ALIKE: Rule = Rule::note("inputs-alike");
 
-/// Adds a note about inputs whose columns of B are parallel at all states.
+/// Adds a note about inputs whose columns of the input matrix are parallel at all states.
 pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report) {
     if model.force_inputs.is_empty() {
         return;
@@ -31,7 +31,7 @@ pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report)
     }
 }
 
-/// Whether another note covers these inputs: two drives, or a drive and a cylinder.
+/// Whether another note covers a pair of inputs: two drives, or a drive and a cylinder.
 fn are_told_elsewhere(one: Actuator<'_>, other: Actuator<'_>) -> bool {
     let pulls = |input: Actuator<'_>| matches!(input, Actuator::Force(force) if matches!(force.effect, ForceEffect::Pull(_)));
     one.drive().is_some() && (other.drive().is_some() || pulls(other))

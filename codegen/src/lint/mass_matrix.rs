@@ -19,8 +19,9 @@ const INDEFINITE: Rule = Rule::warning("mass-matrix-not-positive-definite");
 /// Fixture: `codegen/tests/snapshots/bad/massless_leaf.toml.snap`.
 const SINGULAR: Rule = Rule::warning("joints-without-inertia");
 
-/// Checks the pivots of the mass matrix. A negative pivot is an error, unless the robot is accepted as
-/// unphysical. A zero pivot is a warning, because only some functions need the inverse.
+/// Checks the pivots of the mass matrix, whose signs are those of its eigenvalues. A negative pivot is an
+/// error, unless the robot is accepted as unphysical. A zero pivot is a warning, because only some functions
+/// need the inverse.
 pub(super) fn check(robot: &RobotDescription, model: &Model, pivots: &Pivots, report: &mut Report) {
     let (negative, zero) = (model.joints_of(&pivots.negative), model.joints_of(&pivots.zero));
     if let Some(first) = negative.first() {

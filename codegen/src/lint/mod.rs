@@ -23,8 +23,8 @@ use crate::diagnostic::Report;
 use crate::model::Model;
 use crate::model::regularity::Pivots;
 
-/// Reports all lints. Narrows the limits of coordinates to the limits that drives and cylinders imply.
-/// Returns the pivots of the mass matrix.
+/// Reports all lints: probable mistakes that need the geometry of the whole model. Narrows the limits of
+/// coordinates to the limits that drives and cylinders imply. Returns the pivots of the mass matrix.
 pub(super) fn check(robot: &RobotDescription, model: &mut Model, report: &mut Report) -> Pivots {
     motion_limits::narrow(robot, model, report);
     torque_speed::check(robot, model, report);

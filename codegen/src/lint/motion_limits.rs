@@ -14,7 +14,7 @@ use gelenk_findings::Rule;
 /// Fixture: `codegen/tests/snapshots/bad/strokes.toml.snap`.
 const NARROWER: Rule = Rule::note("narrower-limits");
 
-/// Ends of a stroke are rounded inwards to whole multiples of 1/FINENESS rad or m.
+/// Ends of a stroke are rounded inwards to whole multiples of 1/FINENESS, in rad or m.
 const FINENESS: f64 = 1e6;
 
 /// Narrows the limits of coordinates to the limits that motors and cylinders imply. Motors that move several
@@ -60,8 +60,8 @@ fn narrow_by_motor(name: &str, speed: &At<f64>, model: &mut Model, report: &mut 
     narrow_speed(model, link, speed.value / ratio.abs(), &format!("motor `{name}`"), speed.span, report);
 }
 
-/// Reports an error if a motor of several coordinates has the name of a follower. Controllers find the speed
-/// limit of the motor and the limits of followers by name.
+/// Reports an error if a motor of several coordinates has the name of a joint that follows others.
+/// Controllers find the speed limit of the motor and the limits of such joints by name.
 fn refuse_name_of_follower(name: &str, span: Span, model: &Model, report: &mut Report) {
     let mut joints = model.links.iter().filter_map(|link| link.joint.as_ref());
     if joints.any(|joint| joint.name == name && matches!(joint.motion, Motion::Follower(_))) {
@@ -96,10 +96,10 @@ fn limits_of(model: &mut Model, link: usize) -> Option<(String, &mut Limits)> {
     Some((joint.name.clone(), &mut joint.limits))
 }
 
-/// The only coordinate that changes the distance of two frames.
+/// The only coordinate that changes the distance of two frames, with its limits.
 struct Path {
     link: usize,
-    /// Limits of the coordinate [rad or m].
+    /// Limits of the coordinate (rad or m).
     range: [f64; 2],
 }
 
@@ -206,7 +206,7 @@ fn narrow_by_force(
     }
 }
 
-/// Range of the coordinate within which the length stays within the stroke.
+/// Range of the coordinate in which the distance of the frames is within the stroke.
 fn allowed(
     force: &PointForceDescription,
     stroke: &At<[f64; 2]>,

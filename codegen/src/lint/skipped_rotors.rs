@@ -13,7 +13,7 @@ use gelenk_findings::Rule;
 /// Fixture: `codegen/tests/snapshots/foreign/transmissions.urdf.snap`.
 const SKIPPED: Rule = Rule::warning("rotor-skipped");
 
-/// Warns of rotors of a URDF that cannot be assigned to a joint, with the terms that M lacks.
+/// Warns of rotors of a URDF that cannot be assigned to a joint, with the terms that the mass matrix lacks.
 pub(super) fn warn(robot: &RobotDescription, model: &Model, report: &mut Report) {
     if robot.skipped_rotors.is_empty() {
         return;

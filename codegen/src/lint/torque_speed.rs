@@ -86,7 +86,7 @@ fn doubt_limits(name: &str, motor: &DriveDescription, report: &mut Report) {
     }
 }
 
-/// Notes an effort limit of a joint that its motor cannot reach.
+/// Adds a note about an effort limit of a joint that its motor cannot reach.
 fn note_effort(name: &str, drive: &Drive, model: &Model, span: Span, report: &mut Report) {
     let joint = drive.coordinate().and_then(|coordinate| model.joints().nth(coordinate));
     let effort = joint.and_then(|joint| joint.limits.effort);

@@ -1,4 +1,4 @@
-//! Test whether the mass matrix M is positive definite.
+//! Test whether the mass matrix is positive definite.
 
 use super::Model;
 use super::regularity::Pivots;
@@ -6,17 +6,18 @@ use super::regularity::Pivots;
 /// Signs of the eigenvalues of a mass matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Definiteness {
-    /// All eigenvalues are positive.
+    /// All eigenvalues of the mass matrix are positive.
     Positive,
-    /// Some eigenvalues are zero, because some motions of joints move no inertia.
+    /// Some eigenvalues of the mass matrix are zero, because some motions of joints move no inertia.
     Semidefinite,
-    /// Some eigenvalues are negative, because some bodies have physically impossible inertias.
+    /// Some eigenvalues of the mass matrix are negative, because some bodies have physically impossible
+    /// inertias.
     Indefinite,
 }
 
 impl Model {
-    /// Determines the signs of the eigenvalues of M at pseudo-random states that are the same in every call.
-    /// Parameters have the values of the description.
+    /// Determines the signs of the eigenvalues of the mass matrix at pseudo-random states that are the same
+    /// in every call. Parameters have the values of the description.
     #[must_use]
     pub fn definiteness(&self) -> Definiteness {
         let pivots = Pivots::of(self);
@@ -27,8 +28,8 @@ impl Model {
         }
     }
 
-    /// Joint motions that move no mass and therefore make M singular. Each text names one joint or a sum of
-    /// joints, for example `a` − 0.5 `b`. Parameters have the values of the description.
+    /// Joint motions that move no mass and therefore make the mass matrix singular. Each text names one joint
+    /// or a sum of joints, for example `a` − 0.5 `b`. Parameters have the values of the description.
     #[must_use]
     pub fn motions_without_inertia(&self) -> Vec<String> {
         Pivots::of(self).free_motions(self)

@@ -8,21 +8,22 @@ use gelenk_formula::Formula;
 pub struct Dependent<'m> {
     /// Name of the joint or of the drive.
     pub name: &'m str,
-    /// Motion per unit of motion of each coordinate, then of each driven joint; `None` if a ratio depends on
-    /// parameters without a given value.
+    /// Motion of the joint or motor per unit of motion of each coordinate, then of each joint with prescribed
+    /// motion; `None` if a ratio depends on parameters without a given value.
     pub ratios: Option<Vec<f64>>,
-    /// Position if all coordinates are 0 (rad or m); 0 for a motor.
+    /// Position of the joint if all coordinates are 0 (rad or m); 0 for a motor.
     pub offset: f64,
-    /// Lowest and highest position (rad or m); infinite without a limit.
+    /// Lowest and highest position of the joint (rad or m); infinite without a limit.
     pub position: [f64; 2],
-    /// Highest speed (rad/s or m/s); infinite without a limit.
+    /// Highest speed of the joint or motor (rad/s or m/s); infinite without a limit.
     pub velocity: f64,
 }
 
 const UNLIMITED: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 impl Model {
-    /// Followers in order, then motors with a speed limit whose drives act on several coordinates.
+    /// Joints that follow coordinates, in order, then motors with a speed limit whose drives act on several
+    /// coordinates.
     ///
     /// - `parameters`: values of the free parameters
     #[must_use]
@@ -54,7 +55,8 @@ impl Model {
         shared.filter_map(|drive| Some((drive, drive.speed?)))
     }
 
-    /// Ratios to all coordinates, each multiplied by `factor`.
+    /// Ratios of a joint or drive to all coordinates, each multiplied by `factor`; `None` if a ratio depends
+    /// on parameters without a value.
     fn row(&self, follows: &[FollowedCoordinate], factor: &Formula, parameters: &[f64]) -> Option<Vec<f64>> {
         let mut row = vec![0.0; self.motion_count()];
         for term in follows {

@@ -17,7 +17,7 @@ pub struct Attachment {
 /// A force between the origins of two frames, for example of a spring.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointForce {
-    /// Name in the description. A force without a name has the names of its two frames.
+    /// Name of the force in the description. A force without a name has the names of its two frames.
     pub name: String,
     /// The two frames. The force acts along the line between their origins.
     pub between: [Attachment; 2],
@@ -29,11 +29,11 @@ pub struct PointForce {
 /// An input that is a force at frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceInput {
-    /// Name in the description.
+    /// Name of the input in the description.
     pub name: String,
-    /// Lowest and highest value of the input; `None` without limits.
+    /// Lowest and highest value of the input (N or N m); `None` without limits.
     pub limits: Option<[f64; 2]>,
-    /// Effect of one unit of the input.
+    /// Force or wrench that one unit of the input exerts.
     pub effect: ForceEffect,
 }
 
@@ -47,12 +47,12 @@ impl ForceInput {
     }
 }
 
-/// Effect of one unit of an input.
+/// Force or wrench that one unit of an input exerts.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ForceEffect {
     /// A wrench fixed in a frame: force (N), then moment about the frame's origin (N m).
     Wrench {
-        /// The frame.
+        /// The frame in which the wrench is fixed.
         at: Attachment,
         /// Force (N) and moment (N m) for one unit of the input.
         wrench: [Formula; 6],
@@ -64,9 +64,9 @@ pub enum ForceEffect {
 /// A wrench that is an argument of functions: force (N), then moment about its frame's origin (N m).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wrench {
-    /// Name in the description.
+    /// Name of the wrench in the description.
     pub name: String,
-    /// Frame of the wrench.
+    /// Frame at whose origin the wrench acts.
     pub at: Attachment,
     /// Axes of the force and moment components.
     pub axes: WrenchAxes,
@@ -75,8 +75,8 @@ pub struct Wrench {
 /// Axes in which a wrench is given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WrenchAxes {
-    /// Axes of the frame.
+    /// Axes of the frame at which the wrench acts.
     Frame,
-    /// Axes of the base.
+    /// Axes of the robot's base frame.
     Base,
 }

@@ -3,16 +3,17 @@
 use crate::numeric::length;
 use crate::wording::telling;
 
-/// Tolerance relative to the largest principal moment. Published inertias have about six digits.
+/// Tolerance for a physically possible inertia, relative to the largest principal moment. Published inertias
+/// have about six digits.
 const DIGITS: f64 = 1e-6;
 
-/// Tolerance relative to m l² for rounding errors of a few thousand operations. m is the mass and l the
-/// distance from the link's origin to the centre of mass. CAD programs shift inertias by m l² from the origin
-/// to the centre of mass.
+/// Tolerance for a physically possible inertia, relative to m l², for rounding errors of a few thousand
+/// operations. m is the mass and l the distance from the link's origin to the centre of mass. CAD programs
+/// shift inertias by m l² from the origin to the centre of mass.
 const ARITHMETIC: f64 = 1e-12;
 
-/// Smallest distance l [m] in the tolerance, so that the tolerance is positive if the centre of mass is at the
-/// link's origin.
+/// Smallest length l (m) in the tolerance m l² of an inertia with the mass m. The tolerance is therefore
+/// positive even if the centre of mass is at the link's origin.
 const SMALLEST_EXTENT: f64 = 1e-3;
 
 /// Reason why a body is physically impossible.
@@ -28,7 +29,7 @@ pub(crate) enum Flaw {
 }
 
 impl std::fmt::Display for Flaw {
-    /// Writes the flaw for a message, for example `principal moments 0.1 + 0.2 < 0.4`.
+    /// Writes the reason for a message, for example `principal moments 0.1 + 0.2 < 0.4`.
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Massless => out.write_str("an inertia but no mass"),
@@ -45,7 +46,7 @@ impl std::fmt::Display for Flaw {
     }
 }
 
-/// Replaces moments by 0 if they are rounding errors of the largest moment.
+/// Replaces principal moments by 0 if they are rounding errors of the largest moment.
 fn without_rounding(moments: [f64; 3]) -> [f64; 3] {
     let largest = largest(&moments);
     moments.map(|moment| match moment.abs() > ARITHMETIC * largest {
@@ -58,13 +59,14 @@ fn largest(moments: &[f64]) -> f64 {
     moments.iter().fold(0.0, |most, moment| most.max(moment.abs()))
 }
 
-/// Checks a body: mass (kg), centre of mass in the link's frame (m), and the entries xx, xy, xz, yy, yz, zz of
-/// the inertia about the centre of mass (kg m²). Returns `None` if the inertia is physically possible.
+/// Checks a body with mass (kg), centre of mass in the link's frame (m) and inertia about the centre of mass
+/// (kg m²). The inertia has the entries xx, xy, xz, yy, yz, zz. Returns `None` if the inertia is physically
+/// possible.
 ///
 /// Principal moments are sums of two of the second moments ∫x², ∫y², ∫z², which are not negative. Therefore
-/// no principal moment is negative or exceeds the sum of the other two. Limiting cases are allowed: a point
-/// mass (all moments zero) or a thin rod (one moment zero). Violations below `1e-6 max |Iᵢ| + 1e-12 m l²` are
-/// rounding. Here l is the distance of the centre of mass from the link's origin, at least 1 mm.
+/// no principal moment is negative or exceeds the sum of the other two. A point mass (all moments zero) and a
+/// thin rod (one moment zero) are allowed. Violations below `1e-6 max |Iᵢ| + 1e-12 m l²` are rounding. Here l
+/// is the distance of the centre of mass from the link's origin, at least 1 mm.
 pub(crate) fn check(mass: f64, center: [f64; 3], inertia: [f64; 6]) -> Option<Flaw> {
     let moments = principal_moments(inertia);
     let [low, middle, high] = moments;

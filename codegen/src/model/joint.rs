@@ -10,7 +10,7 @@ pub struct Follower {
     pub link: usize,
     /// Followed coordinates, each once.
     pub follows: Vec<FollowedCoordinate>,
-    /// Position if all followed coordinates are 0 (rad or m).
+    /// Position of the joint if all followed coordinates are 0 (rad or m).
     pub offset: f64,
 }
 
@@ -19,7 +19,7 @@ pub struct Follower {
 pub struct FollowedCoordinate {
     /// Index of the followed coordinate.
     pub coordinate: usize,
-    /// Motion per unit of the coordinate's motion. It depends only on parameters.
+    /// Motion of the joint or drive per unit of the coordinate's motion. It depends only on parameters.
     pub ratio: Formula,
 }
 
@@ -35,43 +35,43 @@ impl FollowedCoordinate {
 /// plus an offset.
 #[derive(Debug, Clone)]
 pub struct MovingJoint<'m> {
-    /// The joint.
+    /// The joint with its type, axis and limits.
     pub joint: &'m Joint,
     /// Index of the link that the joint carries.
     pub link: usize,
     /// Coordinates of the joint: its own coordinate, or the coordinates that it follows.
     pub follows: Vec<FollowedCoordinate>,
-    /// Position if all these coordinates are 0 (rad or m).
+    /// Position of the joint if all these coordinates are 0 (rad or m).
     pub offset: f64,
 }
 
 /// A joint between a parent link and the link that the joint carries.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
-    /// Name exactly as in the description.
+    /// Name of the joint exactly as in the description.
     pub name: String,
-    /// The name as a Rust identifier, distinct among the joints. Values in generated functions have this
-    /// name.
+    /// Name of the joint as a Rust identifier, distinct among the joints. Values in generated functions have
+    /// this name.
     pub identifier: String,
-    /// Index of the parent link.
+    /// Index of the link before the joint.
     pub parent: usize,
-    /// Type of the joint.
+    /// Type of the joint, for example revolute.
     pub kind: JointKind,
     /// Pose of the joint frame in the parent link's frame. At position 0 the joint frame is the frame of the
     /// carried link.
     pub origin: Pose,
-    /// Axis in the joint frame, with unit length.
+    /// Axis of the joint in the joint frame, with unit length.
     pub axis: [f64; 3],
     /// Motion of the joint: fixed, held, by its own coordinate, or following coordinates.
     pub motion: Motion,
     /// Limits on position, speed and force.
     pub limits: Limits,
     /// Forces of springs and dampers on this joint as functions of position y and velocity v (N m or N). They
-    /// are a part of the generalized forces q.
+    /// are added to the joint's generalized force.
     pub springs: Vec<Formula>,
     /// Terms of the friction torque (or force) τ = Σ coefficient · basis, functions of the velocity v and
-    /// possibly of the position y. τ is positive at positive velocity. It is subtracted from the generalized
-    /// forces q.
+    /// possibly of the position y. τ is positive at positive velocity. It is subtracted from the joint's
+    /// generalized force.
     pub friction: Vec<FrictionTerm>,
     /// Terms of the load-dependent friction: s₁ = Σ coefficient · basis is the friction per unit of the load
     /// τ_l. The load is the drive's force without friction. The friction |τ_l| s₁ is added to `friction`. The
@@ -79,12 +79,12 @@ pub struct Joint {
     pub load_friction: Vec<FrictionTerm>,
 }
 
-/// Range of seeded positions of a rotating joint without limits: half a turn to each side \[rad\].
+/// Half the range of random positions for a rotating joint without limits: half a turn to each side \[rad\].
 const TURN: f64 = std::f64::consts::PI;
 const SLIDE: f64 = 0.5;
 
-/// Largest magnitude of seeded positions (rad or m). Positions within limits of ±1e9 m, which stand for a
-/// missing limit, would only add rounding errors.
+/// Largest magnitude of random positions (rad or m). Limits of ±1e9 m mean that a limit is missing, and
+/// positions within such limits would only add rounding errors.
 const FARTHEST: f64 = 20.0;
 
 impl Joint {
@@ -113,18 +113,18 @@ impl Joint {
     }
 }
 
-/// Type of a joint.
+/// Type of a joint, for example revolute.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum JointKind {
-    /// No motion.
+    /// The joint does not move.
     Fixed,
-    /// Rotation about the axis.
+    /// Rotation about the joint's axis.
     Revolute,
-    /// Rotation about the axis without position limits.
+    /// Rotation about the joint's axis without position limits.
     Continuous,
-    /// Translation along the axis.
+    /// Translation along the joint's axis.
     Prismatic,
-    /// Rotation about the axis by the position, and translation along it by pitch · position.
+    /// Rotation about the joint's axis by the position, and translation along it by pitch · position.
     Helical {
         /// Translation per radian (m/rad). The pitch is finite and non-zero, and negative for a left-handed
         /// screw.
@@ -133,7 +133,7 @@ pub enum JointKind {
 }
 
 impl JointKind {
-    /// Unit of the coordinate.
+    /// Unit of the joint's position: `rad` or `m`.
     #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
@@ -142,7 +142,7 @@ impl JointKind {
         }
     }
 
-    /// Unit of the force on the coordinate.
+    /// Unit of the force or torque on the joint: `N m` or `N`.
     #[must_use]
     pub fn effort_unit(self) -> &'static str {
         match self {
@@ -162,7 +162,7 @@ impl JointKind {
         }
     }
 
-    /// Name of the type in descriptions.
+    /// Name of the joint type in descriptions, for example `revolute`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -178,31 +178,31 @@ impl JointKind {
 /// Motion of a joint: fixed, held, by its own coordinate, or following coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion {
-    /// A fixed joint.
+    /// The joint is fixed, without a position.
     Fixed,
-    /// A joint that is held at this position (rad or m).
+    /// The joint is held at this position (rad or m).
     Held(f64),
-    /// An independent or driven joint, with the index of its coordinate. Coordinates of driven joints have
-    /// the largest indices.
+    /// The joint has a coordinate with this index, because it is independent or driven (with prescribed
+    /// motion). Coordinates of driven joints have the largest indices.
     Coordinate(usize),
-    /// A follower of coordinates, with its index among the moving joints. All coordinates, including driven
-    /// coordinates, have smaller indices.
+    /// The joint follows coordinates. The field is its index among the moving joints. All coordinates,
+    /// including those with prescribed motion, have smaller indices.
     Follower(usize),
 }
 
 /// Limits of a joint. A field is `None` if the description has no such limit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limits {
-    /// Lowest and highest position (rad or m).
+    /// Lowest and highest position of the joint (rad or m).
     pub position: Option<[f64; 2]>,
-    /// Highest speed (rad/s or m/s).
+    /// Highest speed of the joint (rad/s or m/s).
     pub velocity: Option<f64>,
     /// Limit of the continuous (nominal) force at the joint (N m or N).
     pub effort: Option<f64>,
     /// Limit of the short-time (peak) force at the joint (N m or N).
     pub peak_effort: Option<f64>,
-    /// Highest acceleration (rad/s² or m/s²).
+    /// Highest acceleration of the joint (rad/s² or m/s²).
     pub acceleration: Option<f64>,
-    /// Highest jerk (rad/s³ or m/s³).
+    /// Highest jerk of the joint (rad/s³ or m/s³).
     pub jerk: Option<f64>,
 }

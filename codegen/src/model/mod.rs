@@ -8,7 +8,7 @@
 //! - limits are ordered
 //! - numbers are finite
 //!
-//! Later stages therefore need no checks.
+//! Therefore code that uses a model needs no checks.
 
 mod definiteness;
 mod dependent;

@@ -9,7 +9,7 @@ const KEYWORDS: [&str; 54] = [
     "virtual", "where", "while", "yield", "raw", "safe",
 ];
 
-/// Names of arguments, constants and functions in formulas.
+/// Names of arguments, constants and functions in formulas, which parameters must not have.
 const IN_FORMULAS: [&str; 12] =
     ["y", "v", "pi", "sin", "cos", "tanh", "exp", "abs", "sign", "sqrt", "pow", "powi"];
 
@@ -23,10 +23,10 @@ pub(crate) fn has_meaning(name: &str) -> bool {
     IN_FORMULAS.contains(&name)
 }
 
-/// Largest number of characters of a name.
+/// Largest number of characters of a name in a description.
 const LONGEST: usize = 200;
 
-/// The name in snake case of ASCII letters, digits and underscores.
+/// Converts a name to snake case of ASCII letters, digits and underscores.
 ///
 /// `ShoulderPan` becomes `shoulder_pan`, `β` becomes `beta`, `a-b` becomes `a_b`, `2nd` becomes `_2nd`, and
 /// `type` becomes `type_`. If no letter or digit remains, the name consists of code points: `腕` becomes

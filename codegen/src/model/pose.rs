@@ -4,22 +4,22 @@ use crate::numeric;
 use gelenk_formula::Formula;
 use std::f64::consts::FRAC_PI_2;
 
-/// A rotation matrix, rows first.
+/// A rotation matrix, as a list of rows.
 pub(crate) type Rotation = [[f64; 3]; 3];
 
-/// The identity rotation.
+/// The rotation matrix of the identity.
 pub(crate) const IDENTITY: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Pose of a frame in another frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pose {
-    /// Origin in the other frame (m).
+    /// Position of the frame's origin in the other frame (m).
     pub translation: [Formula; 3],
-    /// Rotation matrix, rows first. Its columns are the frame's axes.
+    /// Rotation matrix as a list of rows. Its columns are the frame's axes.
     pub rotation: [[f64; 3]; 3],
 }
 
-/// Whether a description leaves out parts of a pose.
+/// Which parts of a pose (translation, rotation) a description leaves out.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Unsaid {
     pub translation: bool,
@@ -27,7 +27,7 @@ pub(crate) struct Unsaid {
 }
 
 impl Unsaid {
-    /// Returns `pose`. Parts that the description leaves out are taken from `known`, the pose that `pose`
+    /// Returns `pose` with the parts that the description leaves out taken from `known`, the pose that `pose`
     /// replaces.
     pub fn filled(self, pose: Pose, known: Option<&Pose>) -> Pose {
         let Some(known) = known else { return pose };
@@ -39,23 +39,23 @@ impl Unsaid {
 }
 
 impl Pose {
-    /// The pose of a frame in itself.
+    /// The identity pose, that of a frame in itself.
     pub fn identity() -> Self {
         Self { translation: [Formula::ZERO; 3], rotation: IDENTITY }
     }
 
-    /// Whether the pose is the identity for all parameters.
+    /// Whether the pose is the identity for all values of the parameters.
     pub(crate) fn is_identity(&self) -> bool {
         self.translation.iter().all(Formula::is_zero) && self.rotation == IDENTITY
     }
 
-    /// Product of two poses. If `self` is the pose of frame b in frame a, and `next` the pose of frame c in
-    /// frame b, the result is the pose of c in a.
+    /// Product of two poses: `self` is the pose of frame b in frame a, and `next` the pose of frame c in
+    /// frame b. The result is the pose of c in a.
     pub fn then(&self, next: &Self) -> Self {
         Self { translation: self.point(&next.translation), rotation: product(&self.rotation, &next.rotation) }
     }
 
-    /// Transforms a point from this frame to the outer frame.
+    /// Transforms a point from this frame to the frame in which the pose is given.
     pub fn point(&self, point: &[Formula; 3]) -> [Formula; 3] {
         let turned = rotate(&self.rotation, point);
         let [x, y, z] = &self.translation;
@@ -64,7 +64,7 @@ impl Pose {
     }
 }
 
-/// The rotated point `R p`.
+/// The point `R p` after a rotation R.
 pub(crate) fn rotate(rotation: &Rotation, point: &[Formula; 3]) -> [Formula; 3] {
     let row = |row: &[f64; 3]| {
         let terms = row.iter().zip(point).map(|(r, p)| Formula::product(Formula::Number(*r), p.clone()));
@@ -73,12 +73,12 @@ pub(crate) fn rotate(rotation: &Rotation, point: &[Formula; 3]) -> [Formula; 3] 
     [row(&rotation[0]), row(&rotation[1]), row(&rotation[2])]
 }
 
-/// The rotated vector `R a`, with numbers as entries.
+/// The vector `R a` after a rotation R, with numbers as entries.
 pub(crate) fn rotate_numbers(rotation: &Rotation, a: &[f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| (0..3).map(|j| rotation[i][j] * a[j]).sum::<f64>() + 0.0)
 }
 
-/// The inertia in rotated axes, `R I Rᵀ`, with the entries xx, xy, xz, yy, yz, zz.
+/// The inertia `R I Rᵀ` in axes rotated by R, with the entries xx, xy, xz, yy, yz, zz.
 pub(crate) fn rotate_inertia(rotation: &Rotation, inertia: &[Formula; 6]) -> [Formula; 6] {
     if *rotation == IDENTITY {
         return inertia.clone();
@@ -97,7 +97,7 @@ pub(crate) fn rotate_inertia(rotation: &Rotation, inertia: &[Formula; 6]) -> [Fo
     [entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)]
 }
 
-/// The product `A B`.
+/// The product `A B` of two rotation matrices.
 pub(crate) fn product(a: &Rotation, b: &Rotation) -> Rotation {
     std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum::<f64>() + 0.0))
 }
@@ -107,19 +107,19 @@ pub(crate) fn from_rpy([roll, pitch, yaw]: [f64; 3]) -> Rotation {
     product(&about_z(yaw), &product(&about_y(pitch), &about_x(roll)))
 }
 
-/// Rotation about x by an angle.
+/// Rotation matrix about x by an angle in rad.
 pub(crate) fn about_x(angle: f64) -> Rotation {
     let (s, c) = sin_cos(angle);
     [[1.0, 0.0, 0.0], [0.0, c, 0.0 - s], [0.0, s, c]]
 }
 
-/// Rotation about y by an angle.
+/// Rotation matrix about y by an angle in rad.
 pub(crate) fn about_y(angle: f64) -> Rotation {
     let (s, c) = sin_cos(angle);
     [[c, 0.0, s], [0.0, 1.0, 0.0], [0.0 - s, 0.0, c]]
 }
 
-/// Rotation about z by an angle.
+/// Rotation matrix about z by an angle in rad.
 pub(crate) fn about_z(angle: f64) -> Rotation {
     let (s, c) = sin_cos(angle);
     [[c, 0.0 - s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]
@@ -193,7 +193,7 @@ pub(crate) fn modified_dh(d: Formula, a: Formula, alpha: f64, theta: f64) -> Pos
     tilt.then(&lift)
 }
 
-/// Length of a vector.
+/// Length of a vector with three components.
 pub(crate) fn norm(a: &[f64; 3]) -> f64 {
     numeric::length(*a)
 }

@@ -5,16 +5,16 @@ use super::{Model, MovingJoint};
 /// A spherical or floating joint. Its orientation is a unit quaternion, so the joint has one more position
 /// entry than velocities.
 ///
-/// In the model, the joint is a chain of joints with one velocity each. The pose from the position entries
-/// precedes this chain, and all joints of the chain stay at position 0. The velocities of the chain are
-/// therefore the velocities of the whole joint in the frame of its body.
+/// In the model, the joint is a series of joints with one velocity each. The pose of the body comes before
+/// these joints, and all of them stay at position 0. Their velocities are therefore the velocities of the
+/// whole joint in the frame of its body.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QuaternionJoint {
-    /// Name in the description.
+    /// Name of the joint in the description.
     pub name: String,
-    /// Spherical or floating.
+    /// Type of the joint: spherical or floating.
     pub kind: QuaternionKind,
-    /// Coordinate of the joint's first velocity. The coordinates of its other velocities follow.
+    /// Index of the coordinate of the joint's first velocity. The coordinates of its other velocities follow.
     pub first: usize,
 }
 
@@ -28,19 +28,20 @@ pub enum QuaternionKind {
     Floating,
 }
 
-/// Help text: force laws at a velocity of a joint with a quaternion cannot depend on a position.
+/// Help text, which says that force laws at a velocity of a joint with a quaternion cannot depend on a
+/// position.
 pub(crate) const NO_LAW_OF_POSITION: &str = "a law at such a velocity may depend only on `v`, because the \
                                              velocity has no position; for springs in any direction use \
                                              `[[forces]]` between two frames";
 
-/// Help text: a velocity of a joint with a quaternion has no rotor.
+/// Help text, which says that a velocity of a joint with a quaternion has no rotor.
 pub(crate) const NO_ROTOR: &str = "a rotor turns about one axis, but this joint turns about three: use `drive = \
                                    \"ideal\"` for a torque in the body's frame, and a link with its own \
                                    joint for a reaction wheel";
 
 impl QuaternionKind {
-    /// Help text: a velocity of this joint has no position limits. Generated limits have one entry per
-    /// velocity, but the position entries are a quaternion.
+    /// Help text, which says that a velocity of this joint has no position limits. Generated limits have one
+    /// entry per velocity, but the position entries are a quaternion.
     pub(crate) fn why_unlimited(self, index: usize) -> &'static str {
         match self {
             Self::Floating if index < 3 => {
@@ -53,7 +54,7 @@ impl QuaternionKind {
         }
     }
 
-    /// Help on holding the whole joint, because a part of the joint cannot be held.
+    /// Help text on how to hold the whole joint, because a part of the joint cannot be held.
     pub(crate) fn how_to_hold(self) -> &'static str {
         match self {
             Self::Spherical => "a single velocity cannot be held: give the joint the type \"fixed\"",
@@ -64,7 +65,7 @@ impl QuaternionKind {
         }
     }
 
-    /// Number of velocities.
+    /// Number of the joint's velocities: 3 for a spherical, 6 for a floating joint.
     #[must_use]
     pub fn velocities(self) -> usize {
         match self {
@@ -73,14 +74,14 @@ impl QuaternionKind {
         }
     }
 
-    /// Number of position entries: 4 for a quaternion x y z w, and 3 more for the position of the origin of a
-    /// floating joint, which precedes the quaternion.
+    /// Number of the joint's position entries: 4 for a quaternion x y z w, and 3 more for the position of the
+    /// origin of a floating joint, which precedes the quaternion.
     #[must_use]
     pub fn positions(self) -> usize {
         self.velocities() + 1
     }
 
-    /// Name of the type in descriptions.
+    /// Name of the joint type in descriptions: `spherical` or `floating`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -98,7 +99,7 @@ impl QuaternionKind {
         }
     }
 
-    /// Suffixes of the names of the position entries.
+    /// Suffixes of the names of the joint's position entries, for example `qx`.
     #[must_use]
     pub fn position_names(self) -> &'static [&'static str] {
         const NAMES: [&str; 7] = ["x", "y", "z", "qx", "qy", "qz", "qw"];
@@ -115,35 +116,35 @@ impl QuaternionJoint {
         [turn[0] * share, turn[1] * share, turn[2] * share, cosine]
     }
 
-    /// Coordinates of the joint's velocities.
+    /// Indices of the coordinates of the joint's velocities.
     #[must_use]
     pub fn coordinates(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.kind.velocities()
     }
 }
 
-/// A joint with its position entries.
+/// A joint with the position entries that belong to it.
 #[derive(Debug, Clone, Copy)]
 pub enum JointPosition<'m> {
     /// A joint with one position entry, given by its coordinate.
     Coordinate(usize),
-    /// A joint with a quaternion.
+    /// A joint with a quaternion, which has several position entries.
     Quaternion(&'m QuaternionJoint),
 }
 
 /// A joint that carries a link of the description.
 #[derive(Debug, Clone)]
 pub struct CarryingJoint<'m> {
-    /// Name of the joint.
+    /// Name of the joint in the description.
     pub name: &'m str,
-    /// Index among the moving joints.
+    /// Index of the joint among the moving joints.
     pub index: usize,
     /// The joint. For a joint with a quaternion, this is the joint of its last velocity.
     pub moving: MovingJoint<'m>,
 }
 
 impl Model {
-    /// Number NY of position entries.
+    /// Number of position entries of the robot. It is the constant `NY` of generated modules.
     #[must_use]
     pub fn position_count(&self) -> usize {
         self.coordinates.len() + self.quaternion_joints.len()
@@ -156,7 +157,7 @@ impl Model {
         self.quaternion_joint_of(coordinate).is_none().then(|| self.first_position(coordinate))
     }
 
-    /// Index of the first position entry of the joint that begins with this coordinate.
+    /// Index of the first position entry of the joint whose first velocity has this coordinate.
     #[must_use]
     pub fn first_position(&self, coordinate: usize) -> usize {
         coordinate + self.quaternion_joints.iter().filter(|joint| joint.first < coordinate).count()
@@ -168,7 +169,7 @@ impl Model {
         self.quaternion_joints.iter().find(|joint| joint.coordinates().contains(&coordinate))
     }
 
-    /// The joints in the order of the positions.
+    /// The joints in the order of their position entries.
     pub fn joint_positions(&self) -> impl Iterator<Item = JointPosition<'_>> {
         (0..self.coordinates.len()).filter_map(|coordinate| match self.quaternion_joint_of(coordinate) {
             None => Some(JointPosition::Coordinate(coordinate)),
@@ -192,8 +193,8 @@ impl Model {
         carrying.collect()
     }
 
-    /// Positions y (NY entries) from one value per velocity. The values of a joint with a quaternion are the
-    /// position (m) and the rotation vector (rad) of its body.
+    /// Positions (one array of all entries) from one value per velocity. The values of a joint with a
+    /// quaternion are the position (m) and the rotation vector (rad) of its body.
     pub(crate) fn positions_by(&self, values: &[f64]) -> Vec<f64> {
         let mut positions = Vec::with_capacity(self.position_count());
         for joint in self.joint_positions() {

@@ -1,8 +1,9 @@
 //! Check that the mass matrix is positive definite.
 //!
-//! The pivots of M in its factorization along the tree are the divisors of the articulated-body recursion:
-//! `Dᵢ = Sᵢᵀ Iᵢᴬ Sᵢ` (Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7). M is positive definite if
-//! and only if all pivots are positive.
+//! The pivots of the mass matrix in its factorization along the tree are the divisors of the articulated-body
+//! recursion: `Dᵢ = Sᵢᵀ Iᵢᴬ Sᵢ` with the joint's axis Sᵢ and the articulated inertia Iᵢᴬ (Featherstone, Rigid
+//! Body Dynamics Algorithms, 2008, ch. 7). The mass matrix is positive definite if and only if all pivots are
+//! positive.
 
 mod coupled;
 
@@ -12,41 +13,43 @@ use crate::wording::three_digits;
 
 type Matrix = [[f64; 6]; 6];
 
-/// A pivot is treated as zero if it is below this fraction of the composite inertia about the same axis.
+/// A pivot of the mass matrix is treated as zero if it is below this fraction of a reference inertia. The
+/// reference is the inertia of all bodies beyond the joint about the same axis.
 const ROUNDING: f64 = 1e-12;
 
-/// Number of tested states. The first state is in general position. The positions of the other states are
-/// within the limits.
+/// Number of states at which the mass matrix is tested. The first state is in general position. The positions
+/// of the other states are within the limits.
 pub(crate) const STATES: usize = 16;
 const SEED: u64 = 0x7069_766f_7473;
 
-/// Largest number of coordinates of robots for which messages quote M. The memory for M grows with the square
-/// of this number, and the time for its factorization with the cube.
+/// Largest number of coordinates of robots for which messages quote the mass matrix. Its memory grows with
+/// the square of this number, and the time for its factorization with the cube.
 const LARGEST: usize = 500;
 
-/// Signs of the pivots of M at pseudo-random states.
+/// Signs of the pivots of the mass matrix at pseudo-random states.
 #[derive(Debug, Default)]
 pub(crate) struct Pivots {
-    /// Links of the joints whose pivots are zero at every state. Motions of these joints move no mass.
+    /// Links of the joints whose pivots in the mass matrix are zero at every state. Motions of these joints
+    /// move no mass.
     pub zero: Vec<usize>,
-    /// Links of the joints whose pivots are negative at some state.
+    /// Links of the joints whose pivots in the mass matrix are negative at some state.
     pub negative: Vec<usize>,
-    /// Number of states with a negative pivot.
+    /// Number of states at which a pivot of the mass matrix is negative.
     pub indefinite_states: usize,
 }
 
 impl Pivots {
-    /// Whether M is positive definite at all states.
+    /// Whether the mass matrix is positive definite at all states.
     pub fn are_positive(&self) -> bool {
         self.zero.is_empty() && self.negative.is_empty()
     }
 
-    /// Motions x with M x = 0 at a general position, as text. There is one motion for each coordinate with a
-    /// zero pivot. Its entry is 1 at this coordinate and 0 at the other coordinates with a zero pivot.
-    /// Velocities of joints with a quaternion are in the frame of the body.
+    /// Motions x with M x = 0 at a general position for the mass matrix M, as text. There is one motion for
+    /// each coordinate with a zero pivot. Its entry is 1 at this coordinate and 0 at the other coordinates
+    /// with a zero pivot. Velocities of joints with a quaternion are in the frame of the body.
     ///
-    /// If no pivot is zero at this position, or if the robot has more than 500 coordinates, the result contains
-    /// only the joints' names.
+    /// If no pivot is zero at this position, or if the robot has more than 500 coordinates, the result
+    /// contains only the joints' names.
     pub fn free_motions(&self, model: &Model) -> Vec<String> {
         let of_joints =
             || model.joints_of(&self.zero).iter().map(|joint| format!("`{}`", joint.name)).collect();
@@ -70,7 +73,8 @@ impl Pivots {
         zero.iter().map(|&own| sum(&null_vector(&mass, &others, own), &names)).collect()
     }
 
-    /// Determines the pivots at pseudo-random states, with the parameter values of the description.
+    /// Determines the pivots of the mass matrix at pseudo-random states, with the parameter values of the
+    /// description.
     pub fn of(model: &Model) -> Self {
         let described = model.described_parameters();
         let mut random = Random::new(SEED);
@@ -102,7 +106,8 @@ impl Pivots {
     }
 }
 
-/// Positions of the joints of all links. Positions of followers are computed from the coordinates.
+/// Positions of the joints of all links. Positions of joints that follow coordinates are computed from the
+/// coordinates.
 ///
 /// - `choose`: maps the index of a link and the range of its joint to a position
 pub(crate) fn positions(
@@ -130,8 +135,10 @@ fn general(link: usize) -> f64 {
     0.4 + (link as f64 * 0.618_033_988_75).fract()
 }
 
-/// The vector x with M x = 0, x = 1 at coordinate k (`own`), and `x_o = −M_oo⁻¹ M_ok` at the other coordinates
-/// o without a zero pivot. It is computed by Gaussian elimination.
+/// The vector x with M x = 0 for the mass matrix M.
+///
+/// It has x = 1 at coordinate k (`own`), and `x_o = −M_oo⁻¹ M_ok` at the other coordinates o without a zero
+/// pivot. It is computed by Gaussian elimination.
 fn null_vector(mass: &[Vec<f64>], others: &[usize], own: usize) -> Vec<f64> {
     let row = |&i: &usize| others.iter().map(|&j| mass[i][j]).chain([-mass[i][own]]).collect();
     let mut rows: Vec<Vec<f64>> = others.iter().map(row).collect();
@@ -153,7 +160,7 @@ fn null_vector(mass: &[Vec<f64>], others: &[usize], own: usize) -> Vec<f64> {
 /// Coefficients of a motion below this magnitude are treated as rounding errors.
 const VISIBLE: f64 = 1e-6;
 
-/// Writes a motion as a sum over joints, for example `a` − 0.5 `b`.
+/// Writes a motion as a weighted sum over joints, for example `a` − 0.5 `b`.
 fn sum(direction: &[f64], names: &[&str]) -> String {
     let mut text = String::new();
     for (share, name) in direction.iter().zip(names).filter(|(share, _)| share.abs() > VISIBLE) {
@@ -170,8 +177,9 @@ fn sum(direction: &[f64], names: &[&str]) -> String {
     text
 }
 
-/// Diagonal of M if all coordinates are 0. Rotors add only i² J to the diagonal, even on moving links. The
-/// result is empty for robots with more than 500 coordinates.
+/// Diagonal of the mass matrix if all coordinates are 0. Rotors add only i² J to the diagonal, even on moving
+/// links, with gear ratio i and axial inertia J. The result is empty for robots with more than 500
+/// coordinates.
 pub(crate) fn diagonal_at_zero(model: &Model) -> Vec<f64> {
     if model.coordinates.len() > LARGEST {
         return Vec::new();
@@ -182,7 +190,7 @@ pub(crate) fn diagonal_at_zero(model: &Model) -> Vec<f64> {
     mass.iter().enumerate().map(|(k, row)| row[k]).collect()
 }
 
-/// Sign of a pivot. A pivot within the rounding error is zero.
+/// Sign of a pivot of the mass matrix. A pivot within the rounding error is zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Pivot {
     Negative,
@@ -190,7 +198,7 @@ enum Pivot {
     Positive,
 }
 
-/// Pivot of each link's joint; `None` if the joint is not independent.
+/// Pivot of the mass matrix for each link's joint; `None` if the joint is not independent.
 fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Pivot>> {
     let links = model.links.iter();
     let mut articulated: Vec<Matrix> = links.map(|link| link_inertia(link, described)).collect();
@@ -224,7 +232,7 @@ fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Piv
     pivots
 }
 
-/// `i² J_R` at each link's joint: squared gear ratio times the rotor's axial inertia.
+/// Inertia `i² J_R` at each link's joint: squared gear ratio times the rotor's axial inertia.
 fn armatures(model: &Model, defaults: &[f64]) -> Vec<f64> {
     let mut result = vec![0.0; model.links.len()];
     for drive in &model.drives {
@@ -266,7 +274,7 @@ fn motion_axis(joint: &Joint) -> [f64; 6] {
     [x * turn, y * turn, z * turn, x * slide, y * slide, z * slide]
 }
 
-/// Motion transform from the parent link's frame to this link's frame.
+/// Transform of spatial motions from the parent link's frame to this link's frame.
 ///
 /// - `position`: position of the joint, if it moves
 pub(crate) fn child_from_parent(joint: &Joint, position: f64, defaults: &[f64]) -> Matrix {
@@ -285,7 +293,7 @@ pub(crate) fn child_from_parent(joint: &Joint, position: f64, defaults: &[f64]) 
     motion_transform(&super::pose::product(rotation, &inner), &r)
 }
 
-/// `[Rᵀ 0; −Rᵀ [r]ₓ  Rᵀ]` for a frame at r with axes R.
+/// Transform `[Rᵀ 0; −Rᵀ [r]ₓ  Rᵀ]` of spatial motions to a frame at r with the axes R.
 fn motion_transform(rotation: &[[f64; 3]; 3], r: &[f64; 3]) -> Matrix {
     let cross = [[0.0, -r[2], r[1]], [r[2], 0.0, -r[0]], [-r[1], r[0], 0.0]];
     let mut x = [[0.0; 6]; 6];
@@ -299,7 +307,7 @@ fn motion_transform(rotation: &[[f64; 3]; 3], r: &[f64; 3]) -> Matrix {
     x
 }
 
-/// Rotation about a unit axis: `cos I + sin [a]ₓ + (1 − cos) a aᵀ` (Rodrigues).
+/// Rotation matrix about a unit axis a: `cos I + sin [a]ₓ + (1 − cos) a aᵀ` (Rodrigues).
 fn about_axis(a: &[f64; 3], angle: f64) -> [[f64; 3]; 3] {
     let (s, c) = crate::numeric::sin_cos(angle);
     let cross = [[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]];
@@ -308,7 +316,7 @@ fn about_axis(a: &[f64; 3], angle: f64) -> [[f64; 3]; 3] {
     })
 }
 
-/// The sum `R p + r`.
+/// The sum `R p + r` of a rotated point and a translation.
 pub(crate) fn product_and_sum(rotation: &[[f64; 3]; 3], p: &[f64; 3], r: &[f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| (0..3).map(|k| rotation[i][k] * p[k]).sum::<f64>() + r[i])
 }
@@ -321,7 +329,7 @@ fn add(sum: &mut Matrix, other: &Matrix) {
     }
 }
 
-/// The sum of the magnitudes of all terms of the quadratic form `aᵀ M a`.
+/// The sum of the magnitudes of all terms of the quadratic form `aᵀ M a`, which bounds its rounding error.
 fn magnitude(matrix: &Matrix, a: &[f64; 6]) -> f64 {
     let row = |i: usize| (0..6).map(move |j| (a[i] * matrix[i][j] * a[j]).abs());
     (0..6).flat_map(row).sum()
@@ -331,7 +339,7 @@ fn quadratic(matrix: &Matrix, a: &[f64; 6]) -> f64 {
     (0..6).map(|i| (0..6).map(|j| a[i] * matrix[i][j] * a[j]).sum::<f64>()).sum()
 }
 
-/// Replaces I by `I − I S Sᵀ I / D` with the axis S and the pivot D.
+/// Replaces a spatial inertia I by `I − I S Sᵀ I / D` with the joint's axis S and the pivot D.
 fn project(matrix: &mut Matrix, axis: &[f64; 6], pivot: f64) {
     let u: [f64; 6] = std::array::from_fn(|i| (0..6).map(|j| matrix[i][j] * axis[j]).sum());
     for i in 0..6 {
@@ -341,7 +349,7 @@ fn project(matrix: &mut Matrix, axis: &[f64; 6], pivot: f64) {
     }
 }
 
-/// The congruence transformation `Xᵀ I X`.
+/// The spatial inertia `Xᵀ I X` after a transformation X of motions.
 fn congruent(matrix: &Matrix, x: &Matrix) -> Matrix {
     let right: Matrix =
         std::array::from_fn(|i| std::array::from_fn(|j| (0..6).map(|k| matrix[i][k] * x[k][j]).sum()));

@@ -16,15 +16,15 @@ pub struct Model {
     pub description: Vec<String>,
     /// Gravitational acceleration in the base frame (m/s²).
     pub gravity: [Formula; 3],
-    /// Free parameters, in the order of the description.
+    /// Free parameters of the robot, in the order of the description.
     pub parameters: Vec<Parameter>,
-    /// All links. `links[0]` is the base. Parents precede children.
+    /// All links of the robot. `links[0]` is the base. Parents precede children.
     pub links: Vec<Link>,
     /// Indices of the links that the joints of the coordinates carry: the joint of coordinate `i` carries
     /// `links[coordinates[i]]`.
     pub coordinates: Vec<usize>,
-    /// Indices of the links that the driven joints carry. In lists of all moving joints, driven joints follow
-    /// the joints of the coordinates. The motion of driven joint `k` is
+    /// Indices of the links that the driven joints (with prescribed motion) carry. In lists of all moving
+    /// joints, driven joints come after the joints of the coordinates. The motion of driven joint `k` is
     /// `Motion::Coordinate(coordinates.len() + k)`.
     pub driven: Vec<usize>,
     /// Spherical and floating joints, in the order of their coordinates. Each of these joints has several
@@ -32,59 +32,61 @@ pub struct Model {
     pub quaternion_joints: Vec<QuaternionJoint>,
     /// Joints that follow coordinates. In lists of all moving joints, they are the last entries.
     pub followers: Vec<Follower>,
-    /// Drives. Drives with an input have the order of the inputs u.
+    /// Drives of the robot. Drives with an input have the order of the inputs u.
     pub drives: Vec<Drive>,
-    /// Forces between two frames.
+    /// Forces between two frames, for example of springs.
     pub point_forces: Vec<PointForce>,
-    /// Inputs that are forces at frames. In u, these inputs follow the inputs of drives.
+    /// Inputs that are forces at frames. In the vector of inputs they follow the inputs of drives.
     pub force_inputs: Vec<ForceInput>,
     /// Wrenches that are arguments of functions.
     pub wrenches: Vec<Wrench>,
-    /// Named frames.
+    /// Named frames that are fixed to links.
     pub frames: Vec<Frame>,
     /// Options of the generator that the description sets.
     pub options: Options,
 }
 
-/// A free parameter: a field of the generated `Parameters`.
+/// A free parameter: a field of the struct `Parameters` in generated modules.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// Name, a Rust identifier.
+    /// Name of the parameter, a Rust identifier.
     pub name: String,
-    /// Value in the description.
+    /// Value of the parameter in the description.
     pub default: f64,
-    /// Unit as text, empty if unknown.
+    /// Unit of the parameter as text, empty if unknown.
     pub unit: String,
-    /// Meaning in one line; may be empty.
+    /// Meaning of the parameter in one line; may be empty.
     pub description: String,
 }
 
 /// A link, and the joint that carries it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Link {
-    /// Name in the description.
+    /// Name of the link in the description.
     pub name: String,
     /// Joint between the parent link and this link; `None` only for the base.
     pub joint: Option<Joint>,
-    /// Rigid bodies that are fixed to this link. Generation combines them to one body.
+    /// Rigid bodies that are fixed to this link. Generated functions treat them as one body.
     pub bodies: Vec<Body>,
 }
 
-/// A rigid body fixed to a link.
+/// A rigid body that is fixed to a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// Name in the description.
+    /// Name of the body in the description.
     pub name: String,
-    /// Mass (kg).
+    /// Mass of the body (kg).
     pub mass: Formula,
-    /// Centre of mass in the link's frame (m).
+    /// Centre of mass of the body in the link's frame (m).
     pub center_of_mass: [Formula; 3],
-    /// Inertia about the centre of mass in the axes of the link's frame: xx, xy, xz, yy, yz, zz (kg m²).
+    /// Inertia of the body about its centre of mass in the axes of the link's frame: xx, xy, xz, yy, yz, zz
+    /// (kg m²).
     pub inertia: [Formula; 6],
 }
 
 impl Model {
-    /// The joints of the coordinates, in order. Driven joints and followers are not included.
+    /// The joints of the coordinates, in order. Joints with prescribed motion, and joints that follow others,
+    /// are not included.
     pub fn joints(&self) -> impl ExactSizeIterator<Item = &Joint> {
         self.coordinates.iter().map(|&link| self.joint_of(link))
     }
@@ -101,7 +103,7 @@ impl Model {
         !self.followers.is_empty() || self.moving_drives().any(|drive| drive.coordinate().is_none())
     }
 
-    /// Number of coordinates, including driven coordinates.
+    /// Number of coordinates, including driven coordinates (with prescribed motion).
     #[must_use]
     pub fn motion_count(&self) -> usize {
         self.coordinates.len() + self.driven.len()
@@ -134,7 +136,7 @@ impl Model {
         pairs.into_iter().collect()
     }
 
-    /// The driven joints in their order.
+    /// The driven joints, whose motion is prescribed, in their order.
     pub fn driven_joints(&self) -> impl ExactSizeIterator<Item = &Joint> {
         self.driven.iter().map(|&link| self.joint_of(link))
     }
@@ -144,14 +146,15 @@ impl Model {
         joint.unwrap_or_else(|| unreachable!("validation gives every moving link its joint"))
     }
 
-    /// Index of the link that a coordinate moves, including driven coordinates; `None` if there is no such
-    /// coordinate.
+    /// Index of the link that a coordinate moves, also for coordinates with prescribed motion; `None` if
+    /// there is no such coordinate.
     #[must_use]
     pub fn link_of(&self, coordinate: usize) -> Option<usize> {
         self.coordinates.iter().chain(&self.driven).nth(coordinate).copied()
     }
 
-    /// All moving joints: first the joints of the coordinates in order, then driven joints, then followers.
+    /// All moving joints: first the joints of the coordinates in order, then the joints with prescribed
+    /// motion, then joints that follow others.
     #[must_use]
     pub fn moving_joints(&self) -> Vec<MovingJoint<'_>> {
         let links = self.coordinates.iter().chain(&self.driven);
@@ -186,7 +189,7 @@ impl Model {
         self.drives.iter().filter(|drive| !drive.acts_on.is_empty())
     }
 
-    /// Drives of held joints whose rotors are parts of their carriers.
+    /// Drives of held joints, whose rotors do not turn and are parts of their carriers.
     pub(crate) fn held_rotors(&self) -> impl Iterator<Item = &Drive> {
         let drives = self.drives.iter();
         drives.filter(|drive| drive.acts_on.is_empty() && drive.coupling == RotorCoupling::Body)
@@ -197,7 +200,7 @@ impl Model {
         self.drives.iter().filter(|drive| !drive.friction.is_empty())
     }
 
-    /// Whether the input matrix B depends on the positions.
+    /// Whether the input matrix depends on the positions.
     #[must_use]
     pub fn inputs_depend_on_position(&self) -> bool {
         !self.force_inputs.is_empty()
@@ -232,17 +235,17 @@ impl Model {
     }
 }
 
-/// Source of an input.
+/// Source of an input: a drive, or a force at frames.
 #[derive(Debug, Clone, Copy)]
 pub enum Actuator<'m> {
-    /// A drive of joints.
+    /// A drive that acts on joints.
     Drive(&'m Drive),
-    /// A force at frames.
+    /// A force or wrench at frames.
     Force(&'m ForceInput),
 }
 
 impl<'m> Actuator<'m> {
-    /// Name of the input.
+    /// Name of the input: that of its drive or force.
     #[must_use]
     pub fn name(self) -> &'m str {
         match self {
@@ -260,7 +263,7 @@ impl<'m> Actuator<'m> {
         }
     }
 
-    /// The drive; `None` if the input acts at frames.
+    /// The drive of the input; `None` if the input acts at frames.
     #[must_use]
     pub fn drive(self) -> Option<&'m Drive> {
         match self {
@@ -270,12 +273,12 @@ impl<'m> Actuator<'m> {
     }
 }
 
-/// A named frame fixed to a link.
+/// A named frame that is fixed to a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
-    /// Name exactly as in the description.
+    /// Name of the frame exactly as in the description.
     pub name: String,
-    /// The name as a Rust identifier, distinct among the frames. The frame's functions are
+    /// Name of the frame as a Rust identifier, distinct among the frames. The frame's functions are
     /// `frame_<identifier>_…`.
     pub identifier: String,
     /// Index of the link that carries the frame.
@@ -293,6 +296,6 @@ pub struct Options {
     pub lanes: Vec<String>,
     /// Slope s of `tanh(s v)`, which replaces `sign(v)` in generated code; `None` keeps the exact `sign`.
     pub smooth_sign: Option<f64>,
-    /// Number of Runge–Kutta steps in one period of the generated `step`. `None` means 1.
+    /// Number of Runge–Kutta steps in one sample time of the generated `step`. `None` means 1.
     pub substeps: Option<usize>,
 }

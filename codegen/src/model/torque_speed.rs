@@ -2,14 +2,15 @@
 
 use super::{Drive, Input, Model};
 
-/// A limit `|u + C ẏ| ≤ limit` on an input u and the velocities ẏ. All terms have the unit of the input.
+/// A limit `|u + C ẏ| ≤ limit` on an input u and the velocities ẏ, with constant factors C. All terms have
+/// the unit of the input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitedInput {
-    /// Index of the input.
+    /// Index of the limited input.
     pub input: usize,
-    /// C, with one entry for each coordinate.
+    /// Factors C of the velocities in `|u + C ẏ| ≤ limit`, one for each coordinate.
     pub slopes: Vec<f64>,
-    /// Limit of the input's magnitude at zero velocity.
+    /// Limit of the input's magnitude at zero velocity, in the unit of the input.
     pub limit: f64,
 }
 

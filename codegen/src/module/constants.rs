@@ -1,4 +1,4 @@
-//! Constants of a robot: names, limits, drives.
+//! Constants of a robot's module: names, limits, drives.
 
 mod quaternions;
 
@@ -62,7 +62,7 @@ pub const NAMES: [&str; 48] = [
     "SUBSTEPS",
 ];
 
-/// All constants in their order in the module.
+/// All constants of a robot, in their order in the module.
 pub(super) fn all(model: &Model) -> Vec<Constant> {
     let joints: Vec<&Joint> = model.joints().collect();
     let inputs: Vec<Actuator<'_>> = model.inputs().collect();
@@ -93,7 +93,7 @@ pub(super) fn functions<'a>(names: impl Iterator<Item = &'a str>) -> Constant {
     constant("FUNCTIONS", "Names of the functions.", strings(Dimension::Fixed, names))
 }
 
-/// Constant with the number of Runge–Kutta steps in one period.
+/// Constant with the number of Runge–Kutta steps in one sample time.
 pub(super) fn substeps(model: &Model) -> Constant {
     let summary =
         "Runge–Kutta steps in one period of `step` and `step_derivatives`: `substeps` of the description.";
@@ -214,8 +214,8 @@ fn dependent(model: &Model) -> Vec<Constant> {
     free.into_iter().chain([names]).chain(ratios).chain(limits).collect()
 }
 
-/// Names of all joints that follow coordinates, if some of them have no row because their ratios depend on
-/// free parameters.
+/// Constant with the names of all joints that follow coordinates, if some of them have no row of ratios
+/// because their ratios depend on free parameters.
 fn free_followers(model: &Model, dependent: &[Dependent<'_>]) -> Option<Constant> {
     let followers = &dependent[..model.followers.len()];
     followers.iter().any(|one| one.ratios.is_none()).then(|| {
@@ -226,8 +226,8 @@ fn free_followers(model: &Model, dependent: &[Dependent<'_>]) -> Option<Constant
     })
 }
 
-/// Ratios of joints that follow coordinates. If a joint follows a driven joint, the ratios to driven joints
-/// are added.
+/// Constants with the ratios of joints that follow coordinates. If a joint follows a joint with prescribed
+/// motion, the ratios to such joints are added.
 fn ratios<'a>(coordinates: usize, rows: impl Iterator<Item = &'a Vec<f64>>) -> Vec<Constant> {
     let (of_coordinates, of_driven): (Vec<_>, Vec<_>) = rows
         .map(|row| row.split_at(coordinates))
@@ -294,7 +294,8 @@ fn joint_limits(joints: &[&Joint]) -> Vec<Constant> {
     limits.into_iter().chain(further.into_iter().flatten()).collect()
 }
 
-/// Limits of the inputs. Limits of currents use the motor constant of the description.
+/// Constants with the limits of the inputs. If an input is a current, its limit is the torque limit divided
+/// by the motor constant of the description.
 fn input_limits(model: &Model, inputs: &[Actuator<'_>]) -> Vec<Constant> {
     let described = model.described_parameters();
     let limits = |torque: fn(&Drive) -> Option<f64>| -> Option<Vec<f64>> {
@@ -330,7 +331,7 @@ fn input_limits(model: &Model, inputs: &[Actuator<'_>]) -> Vec<Constant> {
     nominal.into_iter().chain(peak).chain(ranges).collect()
 }
 
-/// Lowest and highest values of the inputs, if inputs act at frames.
+/// Constant with lowest and highest values of the inputs; `None` if no inputs act at frames.
 fn ranges(model: &Model, inputs: &[Actuator<'_>], peak: &[f64]) -> Option<Constant> {
     if model.force_inputs.is_empty() {
         return None;
@@ -344,7 +345,7 @@ fn ranges(model: &Model, inputs: &[Actuator<'_>], peak: &[f64]) -> Option<Consta
     Some(constant("INPUT_RANGES", summary, ConstantValue::Ranges(Dimension::Inputs, ranges)))
 }
 
-/// Torque–speed lines of the motors, by input; `None` if no motor has a line.
+/// Constants with the torque–speed lines of the motors, by input; `None` if no motor has a line.
 fn torque_speed_lines(model: &Model) -> Option<[Constant; 2]> {
     let described = model.described_parameters();
     let lines = model.limited_inputs(&described);
@@ -401,20 +402,21 @@ fn drives(model: &Model) -> Vec<Constant> {
     number.into_iter().chain(constants.into_iter().flatten()).collect()
 }
 
-/// Pairs of coordinates at which friction jumps. The constant exists even if it is empty, because simulations
-/// need it.
+/// Constant with pairs of coordinates at which friction jumps. It exists even if it is empty, because
+/// simulations need it.
 fn friction_jumps(model: &Model) -> Constant {
     let summary = "Pairs of coordinates i, j: friction at i may jump if velocity j changes its sign, because a law has an \
          exact `sign`.";
     constant("FRICTION_JUMPS", summary, ConstantValue::Pairs(model.friction_jumps()))
 }
 
-/// Largest magnitude of an input at frames.
+/// Largest magnitude of a force or moment at a frame that is an input; infinite without limits.
 fn magnitude(force: &ForceInput) -> f64 {
     force.limits.map_or(f64::INFINITY, |[low, high]| low.abs().max(high.abs()))
 }
 
-/// Motor torque per unit of input: 1, or the magnitude of the motor constant.
+/// Motor torque per unit of a drive's input: 1, or the magnitude of the motor constant if the input is a
+/// current.
 fn torque_per_input(drive: &Drive, described: &[f64]) -> Option<f64> {
     match &drive.input {
         Input::Torque | Input::None => Some(1.0),
@@ -422,7 +424,7 @@ fn torque_per_input(drive: &Drive, described: &[f64]) -> Option<f64> {
     }
 }
 
-/// Gravity; `None` if it depends on free parameters.
+/// Constant with the gravitational acceleration; `None` if it depends on free parameters.
 fn gravity(model: &Model) -> Option<Constant> {
     let values: Option<Vec<f64>> = model.gravity.iter().map(|g| g.value(&[])).collect();
     Some(constant(

@@ -15,29 +15,30 @@ use crate::self_test::SelfTest;
 /// Module of a robot: all contents of its text, in order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Module {
-    /// Name of the robot.
+    /// Name of the robot as an identifier in snake case.
     pub name: String,
-    /// Paragraphs of the description; may be empty.
+    /// Paragraphs of the robot's description; may be empty.
     pub description: Vec<String>,
     /// Lines added to the documentation of the robot.
     pub remarks: Vec<String>,
     /// Number of coordinates. It is also the number of velocities.
     pub coordinates: usize,
-    /// Number of position entries. A joint with a quaternion has one position entry more than velocities.
+    /// Number of position entries. A joint with a quaternion has one more position entry than velocities.
     pub positions: usize,
-    /// Number of inputs.
+    /// Number of inputs, for example of motor torques.
     pub inputs: usize,
-    /// Number of driven coordinates.
+    /// Number of driven coordinates, whose motion is prescribed.
     pub driven: usize,
     /// Number of position entries of each joint; empty without quaternions.
     pub joint_positions: Vec<usize>,
-    /// Constants: names, units, limits, drives and gravity.
+    /// Constants of the robot: names, units, limits, drives and gravity.
     pub constants: Vec<Constant>,
     /// Free parameters. If the robot has free parameters, they are an argument of every function.
     pub parameters: Vec<Parameter>,
-    /// Functions with their own program. Each is printed after its constants.
+    /// Functions with their own program. Each is printed after the constants that document it.
     pub functions: Vec<Function>,
-    /// Constant with the number of Runge–Kutta steps in one period; `None` if no function has several steps.
+    /// Constant with the number of Runge–Kutta steps in one sample time; `None` if no function has several
+    /// steps.
     pub substeps: Option<Constant>,
     /// Functions over a sample time. They call other functions of the module.
     pub compositions: Vec<ComposedFunction>,
@@ -47,26 +48,27 @@ pub struct Module {
     pub self_tests: Vec<SelfTest>,
 }
 
-/// A function that calls another function of its module.
+/// A function over a sample time, which calls another function of its module.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComposedFunction {
-    /// Kind of the function.
+    /// Kind of the function: `discretize`, `step` or `step_derivatives`.
     pub composition: Composition,
-    /// Equation in Unicode.
+    /// Equation of the function in Unicode.
     pub equation: &'static str,
     /// Whether the robot has joints with quaternions.
     pub has_quaternions: bool,
-    /// The results of the function.
+    /// Symbols, shapes and meanings of the function's results.
     pub results: Vec<ComposedResult>,
-    /// Number of operations; `None` if the module lacks the called function, or the robot has joints with
-    /// quaternions.
+    /// Number of operations of the function; `None` if the module lacks the called function, or the robot has
+    /// joints with quaternions.
     pub cost: Option<Cost>,
     /// Sentence about the operations in the function's documentation.
     pub cost_text: String,
 }
 
 impl Module {
-    /// Creates the module of a model's functions: straight-line code without remarks, lanes and tests.
+    /// Creates the module of a model's functions, without remarks, tests and functions for eight states at
+    /// once.
     #[must_use]
     pub fn new(model: &Model, functions: Vec<Function>, compositions: &[Composition]) -> Self {
         let has_substeps = compositions.iter().any(|each| each.has_substeps());

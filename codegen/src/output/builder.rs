@@ -52,7 +52,7 @@ impl Builder {
         self
     }
 
-    /// Generates only these functions.
+    /// Generates only the functions with these names, and the functions that they call.
     #[must_use]
     pub fn functions<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
         self.options.functions = names.into_iter().map(Into::into).collect();
@@ -81,7 +81,7 @@ impl Builder {
         self
     }
 
-    /// Leaves out friction.
+    /// Leaves out the friction of all joints and drives.
     #[must_use]
     pub fn no_friction(mut self) -> Self {
         self.options.reading.no_friction = true;
@@ -141,8 +141,8 @@ impl Builder {
         self
     }
 
-    /// Contracts products and sums to fused multiply-adds. The modules then require std and a processor with
-    /// these instructions.
+    /// Fuses products and sums to multiply-adds with one rounding. The modules then require std and a
+    /// processor with these instructions.
     #[must_use]
     pub fn fused_multiply_add(mut self) -> Self {
         self.options.fused_multiply_add = true;

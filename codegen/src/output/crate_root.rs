@@ -1,4 +1,4 @@
-//! The root of a crate of generated modules: `generated/src/lib.rs`.
+//! The root file of a crate of generated modules: `generated/src/lib.rs`.
 
 use std::fs;
 use std::io::{self, Read};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::emit::{FIRST_LINE, FIRST_LINE_IN_PYTHON, documentation};
 
-/// Whether this program wrote the file.
+/// Whether gelenk generated the file.
 #[must_use]
 pub fn is_generated(path: &Path) -> bool {
     [FIRST_LINE, FIRST_LINE_IN_PYTHON].iter().any(|line| begins_with(path, line))

@@ -7,17 +7,17 @@ use super::write::{Planned, Replaces, WriteError};
 use crate::diagnostic::Diagnostics;
 use crate::pipeline::Generated;
 
-/// Errors of a build script.
+/// Errors that a build script may return.
 #[derive(Debug)]
 pub enum BuildError {
-    /// The builder has no description.
+    /// The build script gave no description.
     NothingToDo,
     /// The output folder is unknown: neither `OUT_DIR` nor
     /// [`Builder::output_folder`](super::Builder::output_folder) sets it.
     NoFolder,
     /// One or more descriptions have errors.
     Descriptions(Vec<Diagnostics>),
-    /// A file could not be written.
+    /// A file could not be written, for the reason in the field.
     Write(WriteError),
     /// Two descriptions have the same robot name, which the field contains.
     SameName(String),
@@ -44,13 +44,14 @@ impl fmt::Display for BuildError {
 
 impl std::error::Error for BuildError {}
 
-/// A module and its description.
+/// A generated module and its description.
 pub(super) struct Robot {
     pub(super) description: PathBuf,
     pub(super) generated: Generated,
 }
 
-/// Writes all modules and returns their paths. If one module must not be written, no module is written.
+/// Writes all modules of a build script and returns their paths. If one module must not be written, no module
+/// is written.
 pub(super) fn write(folder: &Path, robots: &[Robot]) -> Result<Vec<PathBuf>, BuildError> {
     let read = robots.iter().flat_map(|robot| robot.generated.files.clone());
     let read: Vec<PathBuf> = read.collect();

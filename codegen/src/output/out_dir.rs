@@ -12,7 +12,7 @@ use super::write::{Planned, Replaces, WriteError};
 use crate::diagnostic::{Diagnostics, Severity};
 use crate::emit::{FIRST_LINE, documentation};
 
-/// File with the list of modules, for the macro.
+/// File with the list of modules, which the macro `include_model!` reads.
 const LIST: &str = "gelenk.modules.rs";
 
 /// Names of the modules that this process has written, with the paths of their descriptions. A build script may
@@ -100,7 +100,7 @@ impl OutDir {
     }
 }
 
-/// A macro with an arm for each module, and an arm that lists the modules in an error.
+/// Text of a macro with an arm for each module, and an arm that lists the modules in an error.
 fn list(modules: &[(String, PathBuf)]) -> String {
     let arm = |(name, _): &(String, PathBuf)| {
         let file = format!("/{name}.rs");
@@ -121,8 +121,8 @@ fn list(modules: &[(String, PathBuf)]) -> String {
     )
 }
 
-/// Head that marks a file of this build script. Files with other heads are kept, for example files that a build
-/// script generates by calling `gelenk`.
+/// First lines that mark a file of this build script. Files that begin with other lines are kept, for example
+/// files that a build script generates by calling `gelenk`.
 fn header() -> String {
     format!("{FIRST_LINE}\n//\n//     {}\n", cargo::command())
 }

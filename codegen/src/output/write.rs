@@ -17,24 +17,25 @@ pub enum Outcome {
     Unchanged,
 }
 
-/// Kinds of content that may be overwritten. Empty files may always be overwritten.
+/// Kinds of content that may be overwritten by a new file. Empty files may always be overwritten.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Replaces {
-    /// A generated module.
+    /// A generated module may be overwritten.
     Module,
-    /// The root of a crate of generated modules.
+    /// The root file of a crate of generated modules may be overwritten.
     Root,
-    /// An exported robot, written by `gelenk export`.
+    /// An exported robot that `gelenk export` wrote may be overwritten.
     Export,
-    /// Any content, because only build scripts of this crate write files with this name, in their output
-    /// folder.
+    /// Any content may be overwritten, because only build scripts of this crate write files with this name,
+    /// in their output folder.
     Helper,
-    /// No content, because files of earlier runs cannot be distinguished from files of the user.
+    /// No content may be overwritten, because files of earlier runs cannot be distinguished from files of the
+    /// user.
     Nothing,
 }
 
-/// A text and its target file. All targets are checked before the first file is written. If one target is
-/// rejected, no file changes.
+/// A text that is to be written to a file. All files are checked before the first is written. If one must not
+/// be overwritten, no file changes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Planned<'t> {
     path: PathBuf,
@@ -47,21 +48,21 @@ pub struct Planned<'t> {
 pub enum WriteError {
     /// The system reported an error, or the target cannot be replaced.
     System {
-        /// The file.
+        /// Path of the file that could not be written.
         path: PathBuf,
-        /// The error of the system.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// The target is an input of the command.
+    /// The file to be written is an input of the command.
     Read {
-        /// The file.
+        /// Path of the file that was to be written.
         path: PathBuf,
-        /// Path by which the file was read.
+        /// Path by which the same file was read.
         read: PathBuf,
     },
-    /// The target has content that was not generated.
+    /// The file to be overwritten has content that was not generated.
     Foreign {
-        /// The file.
+        /// Path of the file with other content.
         path: PathBuf,
     },
 }
@@ -125,7 +126,7 @@ impl<'t> Planned<'t> {
         Ok(Self { path, text, outcome })
     }
 
-    /// Path of the file.
+    /// Path of the file to which the text is written.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -149,7 +150,7 @@ impl<'t> Planned<'t> {
 }
 
 impl Replaces {
-    /// Whether the file at `path` may be overwritten.
+    /// Whether the content of the file at `path` may be overwritten.
     fn covers(self, path: &Path) -> bool {
         match fs::metadata(path) {
             Err(_) => true,

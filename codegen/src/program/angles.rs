@@ -54,8 +54,8 @@ fn early_angles(program: &Program) -> Vec<usize> {
     early
 }
 
-/// Appends the operands of an instruction to the order, earliest first. There are few operands, because an
-/// angle is a sum of a few joint positions.
+/// Appends the operands of an instruction to the new order, earliest first. There are few operands, because
+/// an angle is a sum of a few joint positions.
 fn move_operands(program: &Program, index: usize, is_moved: &mut [bool], order: &mut Vec<usize>) {
     let mut pending: Vec<(usize, bool)> = read_values(program, index);
     while let Some((value, is_ready)) = pending.pop() {

@@ -5,8 +5,8 @@ use crate::graph::{Graph, Scalar, differentiate};
 use crate::layout::{Dimension, Extent};
 use gelenk_formula::Function;
 
-/// Returns a program that computes the derivatives of all results with respect to the parameters. Each result
-/// becomes a matrix with one row per entry (row-major) and one column per parameter.
+/// Returns a program that computes the derivatives of all results with respect to the free parameters. Each
+/// result becomes a matrix with one row per entry (row-major) and one column per parameter.
 ///
 /// The derivative of `sign` is 0.
 #[must_use]

@@ -12,17 +12,17 @@ use gelenk_formula::Function;
 /// counted as selections and not as function calls, because they are a bit mask and a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
-    /// Multiplications.
+    /// Number of multiplications.
     pub multiplications: usize,
-    /// Additions and subtractions.
+    /// Number of additions and subtractions.
     pub additions: usize,
-    /// Divisions.
+    /// Number of divisions.
     pub divisions: usize,
-    /// Calls that compute the sine and cosine of one angle.
+    /// Number of calls that compute the sine and cosine of one angle.
     pub sin_cos: usize,
-    /// Calls of other functions: single sine or cosine, tanh, exp, square root.
+    /// Number of calls of other functions: single sine or cosine, tanh, exp, square root.
     pub other_calls: usize,
-    /// Absolute values and signs.
+    /// Number of absolute values and signs, which need a bit mask or a comparison.
     pub selections: usize,
 }
 

@@ -1,14 +1,14 @@
 //! Prints programs with intermediate values as text and as LaTeX, for readers.
 //!
-//! Each value is an equation on its own line. Names of Greek letters become Greek letters, digits at the end
-//! of a name become subscripts, and the inputs `y`, `v`, `a` are written y, ẏ, ÿ with indices from 1.
+//! Each value is an equation on its own line. Names of Greek letters become Greek letters, and digits at the
+//! end of a name become subscripts. The inputs `y`, `v`, `a` are written y, ẏ, ÿ with indices from 1.
 
 use super::flow::Flow;
 use super::letters::greek_letter;
 use super::{Operand, Operation, Output, Program, Shape};
 use gelenk_formula::Function;
 
-/// Names for the parts of a program that have only an index in the program: the free parameters.
+/// Names of the free parameters, which have only an index in a program.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Notation {
     /// Names of all free parameters of the program.
@@ -48,18 +48,18 @@ pub struct LatexEquations {
     pub results: Vec<LatexResult>,
 }
 
-/// A result in LaTeX.
+/// A result of a program in LaTeX.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LatexResult {
-    /// Symbol.
+    /// Symbol of the result in LaTeX.
     pub name: String,
-    /// Entries by row. A scalar has one entry.
+    /// Entries of the result in LaTeX, by row. A scalar has one entry.
     pub rows: Vec<Vec<String>>,
     is_scalar: bool,
 }
 
 impl LatexResult {
-    /// The entry of a scalar. For vectors and matrices, all entries as one LaTeX vector or matrix.
+    /// The whole result in LaTeX: the entry of a scalar, or a LaTeX vector or matrix of all entries.
     #[must_use]
     pub fn value(&self) -> String {
         if self.is_scalar {
@@ -94,7 +94,8 @@ struct Printer<'a> {
 }
 
 impl Printer<'_> {
-    /// Name and expression of each value. A sine is left out if it is computed only together with its cosine.
+    /// Name and right-hand side of each intermediate value. A sine is left out if it is computed only
+    /// together with its cosine.
     fn equations(&self) -> Vec<(String, String)> {
         let is_read = Flow::new(self.program).is_read;
         let read = self.program.instructions.iter().zip(is_read).filter(|(_, is_read)| *is_read);
@@ -167,7 +168,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Text of an operand. If `guarded` is true, a negative number is put in parentheses.
+    /// Text of an operand in an equation. If `guarded` is true, a negative number is put in parentheses.
     fn operand(&self, operand: Operand, guarded: bool) -> String {
         match operand {
             Operand::Value(index) => self.letters(&self.program.instructions[index].name),
@@ -187,7 +188,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Entry of an input array, counted from 1.
+    /// Text for an entry of an input array, with an index that counts from 1.
     fn indexed(&self, array: &str, index: usize) -> String {
         let (text, latex) = match array {
             "v" => ("ẏ", "\\dot{y}"),
@@ -200,7 +201,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Converts a name to letters: `beta_2` becomes β₂, `s12` becomes s₁₂.
+    /// Converts a name to a letter with subscripts: `beta_2` becomes β₂, `s12` becomes s₁₂.
     fn letters(&self, name: &str) -> String {
         match self.style {
             Style::Text => text_letters(name),
@@ -281,7 +282,8 @@ pub(crate) fn latex_number(number: f64) -> String {
     }
 }
 
-/// The shortest digits that distinguish the number from neighbouring numbers, and its exponent.
+/// The shortest digits that distinguish the number from neighbouring numbers, and its exponent; `None`
+/// without an exponent.
 fn digits_and_exponent(number: f64) -> (String, Option<String>) {
     let shortest = format!("{number:?}");
     let shortest = shortest.strip_suffix(".0").unwrap_or(&shortest);
@@ -322,7 +324,7 @@ fn latex_subscript(stem: &str, index: &str) -> String {
     format!("{stem}_{{{}}}", parts.join(","))
 }
 
-/// A part of an index in LaTeX: words are upright, and letters and numbers are unchanged.
+/// A part of an index in LaTeX: words become upright, and letters and numbers are unchanged.
 fn latex_index(part: &str) -> String {
     match greek_letter(part) {
         Some(_) => latex_letter(part),

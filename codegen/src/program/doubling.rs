@@ -1,13 +1,13 @@
-//! Replaces `2 · x` by `x + x` to balance multiplications and additions.
+//! Replaces multiplications `2 · x` by additions `x + x`.
 
 use super::cost::count;
 use super::{Operand, Operation, Program};
 
-/// Replaces doublings by additions as long as the program has over a quarter more multiplications than
-/// additions. Results keep all bits. An addition costs at most as much as a multiplication, and processors
-/// with separate units are better balanced.
+/// Replaces `2 · x` by `x + x` as long as the program has over a quarter more multiplications than additions.
+/// Results keep all bits. An addition costs at most as much as a multiplication, and processors with separate
+/// units for both are then used evenly.
 ///
-/// A doubling that is a term of a sum is kept, because it may be fused with the sum.
+/// A product that is a term of a sum is kept, because it may be fused with the sum.
 pub(super) fn add_instead_of_doubling(program: &mut Program) {
     let cost = count(program);
     // Each replacement reduces 4·multiplications − 5·additions by 9.
@@ -34,7 +34,7 @@ fn doubled(operation: Operation) -> Option<Operand> {
     }
 }
 
-/// For each instruction, whether a sum or difference reads its value.
+/// For each instruction, whether a sum or difference has its value as an operand.
 fn read_by_sums(program: &Program) -> Vec<bool> {
     let mut read = vec![false; program.instructions.len()];
     for instruction in &program.instructions {

@@ -15,20 +15,20 @@ use super::display::{Notation, latex_letters, latex_number};
 use super::{Operand, Operation, Output, Program, Shape};
 use gelenk_formula::Function;
 
-/// Largest number of terms of a value. A product of two values multiplies their numbers of terms, and longer
-/// sums are not readable.
+/// Largest number of terms in the sum for a value. A product of two values multiplies their numbers of terms,
+/// and longer sums are not readable.
 pub(crate) const MOST_TERMS: usize = 1000;
-/// Rounding error of a coefficient, relative to the sum of the magnitudes of its contributions.
+/// Rounding error of a term's coefficient, relative to the sum of the magnitudes of its contributions.
 const ROUNDING: f64 = 1e-12;
 /// Largest number of digits of a printed coefficient.
 const DIGITS: i32 = 12;
 
-/// An entry of a result in LaTeX.
+/// An entry of a result, expanded to a sum in LaTeX.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExpandedEntry {
-    /// Symbol with indices from 1, for example `M_{1,2}`.
+    /// Symbol of the entry with indices from 1, for example `M_{1,2}`.
     pub name: String,
-    /// Sum of the entry in LaTeX.
+    /// The entry as a sum in LaTeX.
     pub value: String,
 }
 
@@ -51,7 +51,7 @@ pub fn expanded(program: &Program, notation: &Notation, is_symmetric: bool) -> O
     Some(entries)
 }
 
-/// Row and column of an entry.
+/// Row and column of an entry in a result.
 fn place(output: &Output, entry: usize) -> [usize; 2] {
     match output.shape {
         Shape::Matrix(_, columns) => [entry / columns.len.max(1), entry % columns.len.max(1)],
@@ -69,13 +69,13 @@ fn name(output: &Output, entry: usize) -> String {
     }
 }
 
-/// The variable part of a term.
+/// The factors of a term except its numeric coefficient.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default)]
 struct Term {
-    /// Indices of the factors with their exponents, in ascending order.
+    /// Indices of the term's factors with their exponents, in ascending order.
     powers: Vec<(usize, u32)>,
-    /// Integer multiples of positions in the angle. The first non-zero multiple is positive. Empty if the
-    /// term has no angle.
+    /// Integer multiples of positions in the angle of the term's sine or cosine. The first non-zero multiple
+    /// is positive. Empty if the term has no angle.
     multiples: BTreeMap<usize, i32>,
     /// Whether the term has the sine of the angle instead of its cosine.
     is_sine: bool,
@@ -84,19 +84,19 @@ struct Term {
 #[derive(Debug, Clone, Copy, Default)]
 struct Coefficient {
     value: f64,
-    /// Sum of the magnitudes of all contributions.
+    /// Sum of the magnitudes of all contributions to the coefficient, which bounds its rounding error.
     size: f64,
 }
 
 type Sum = BTreeMap<Term, Coefficient>;
 
-/// A factor of terms.
+/// A factor of terms: an input or a function call.
 #[derive(Debug, Clone, PartialEq)]
 enum Factor {
-    /// An entry of an input array.
+    /// An entry of an input array: index of the array, then index of the entry.
     Input(usize, usize),
     Parameter(usize),
-    /// A function of a sum, as LaTeX.
+    /// A function of a sum, for example `tanh(20 ẏ₁)`, as LaTeX.
     Call(String),
 }
 
@@ -151,7 +151,7 @@ impl Expansion<'_> {
         })
     }
 
-    /// The value of an operand as a sum.
+    /// The value of an operand as a sum of terms.
     fn known(&mut self, operand: Operand) -> Sum {
         match operand {
             Operand::Value(index) => self.values[index].clone(),
@@ -161,7 +161,7 @@ impl Expansion<'_> {
         }
     }
 
-    /// A sum with one term, which is a factor.
+    /// A sum with one term, which consists of one factor.
     fn letter(&mut self, factor: Factor) -> Sum {
         let powers = vec![(self.number(factor), 1)];
         Sum::from([(Term { powers, ..Term::default() }, Coefficient { value: 1.0, size: 1.0 })])
@@ -184,8 +184,9 @@ impl Expansion<'_> {
         }))
     }
 
-    /// Sine or cosine of a sum. If the angle has the form `n·y + φ`, the result has sines and cosines of
-    /// `n·y`; otherwise the result is a function call.
+    /// Sine or cosine of a sum. The result has sines and cosines of `n·y` if the angle has the form
+    /// `n·y + φ`; otherwise it is a function call. n are integer multiples of the positions y, and φ is a
+    /// constant.
     fn wave(&mut self, angle: &Sum, function: Function) -> Sum {
         let Some((multiples, phase)) = self.multiples(angle) else {
             return self.function(function, angle);
@@ -291,7 +292,7 @@ fn constant(sum: &Sum) -> Option<f64> {
     (sum.len() == 1 && *term == Term::default()).then_some(coefficient.value)
 }
 
-/// The sum `a + sign · b`.
+/// The sum `a + sign · b`; `None` if it has too many terms.
 fn added(mut a: Sum, b: &Sum, sign: f64) -> Option<Sum> {
     for (term, coefficient) in b {
         let entry = a.entry(term.clone()).or_default();
@@ -330,7 +331,7 @@ fn product(a: &Sum, b: &Sum) -> Option<Sum> {
     within_limit(sum)
 }
 
-/// Removes terms that cancelled. `None` if too many terms remain.
+/// Removes terms that cancelled in a sum. `None` if too many terms remain.
 fn within_limit(mut sum: Sum) -> Option<Sum> {
     sum.retain(|_, coefficient| coefficient.value.abs() > ROUNDING * coefficient.size);
     (sum.len() <= MOST_TERMS).then_some(sum)
@@ -352,7 +353,8 @@ fn angle(a: &Term, b: &Term, sign: i32) -> BTreeMap<usize, i32> {
     multiples
 }
 
-/// Adds a term. Its angle is converted to the form of [`Term`], in which the first multiple is positive.
+/// Adds a term to a sum. The signs of its angle and coefficient are changed so that the first multiple of a
+/// position is positive.
 fn insert(
     sum: &mut Sum,
     powers: Vec<(usize, u32)>,

@@ -2,15 +2,15 @@
 
 use super::{Operand, Operation, Program};
 
-/// Data flow of a program's values.
+/// Data flow between the instructions of a program.
 #[derive(Debug, Clone)]
 pub(crate) struct Flow {
     /// For each value, whether the text uses it by name and a result depends on it.
     pub(crate) is_read: Vec<bool>,
-    /// For a `SinCos`, the value of its cosine; `None` if the cosine is not used.
+    /// For each `SinCos` instruction, the value of its cosine; `None` if the cosine is not used.
     pub(crate) cosine: Vec<Option<usize>>,
     /// For each value, the index of the instruction that computes it. For a cosine it is the index of the
-    /// `SinCos`.
+    /// `SinCos` instruction.
     pub(crate) made_at: Vec<usize>,
 }
 
@@ -51,19 +51,20 @@ impl Flow {
         }
     }
 
-    /// Whether the program needs the statement of this instruction.
+    /// Whether the program needs a statement for this instruction.
     pub(crate) fn is_made(&self, index: usize) -> bool {
         self.is_read[index] || self.cosine[index].is_some()
     }
 
-    /// Index of the first value that is equal to value `index`. Repeated cosines of one `SinCos` are equal.
+    /// Index of the first value that is equal to value `index`. All cosines of one `SinCos` instruction are
+    /// equal.
     pub(crate) fn canonical(&self, index: usize) -> usize {
         let pair = self.made_at[index];
         if pair == index { index } else { self.cosine.get(pair).copied().flatten().unwrap_or(index) }
     }
 }
 
-/// Operands of an operation. The `SinCos` of a `CosineOf` is not included.
+/// Operands of an operation. For a `CosineOf`, the instruction that computes the cosine is not included.
 pub(crate) fn operands(operation: Operation) -> impl Iterator<Item = Operand> {
     let operands = match operation {
         Operation::Add(a, b)

@@ -1,5 +1,5 @@
-//! Optional contraction of products and sums to fused multiply-adds. It needs fewer instructions, but changes
-//! the last bits of results.
+//! Optional contraction of products and sums to fused multiply-adds, which needs fewer instructions but
+//! changes the last bits of results.
 //!
 //! The generator contracts, and not the compiler, so the interpreter and the compiled function agree bit for
 //! bit. Each fused operation avoids one rounding. Results therefore differ from results without contraction
@@ -117,12 +117,12 @@ fn products_of(fused: &[Option<usize>], count: usize) -> Vec<bool> {
 }
 
 struct Rewriting {
-    /// The new operand for each old value.
+    /// For each value of the old program, the operand that replaces it in the new program.
     places: Vec<Operand>,
     instructions: Vec<Instruction>,
-    /// Negative of each new value, if it was needed.
+    /// Negative of each value of the new program; `None` if no operation needed it.
     negatives: Vec<Option<Operand>>,
-    /// Negatives of inputs and parameters.
+    /// Negatives of inputs and parameters that operations needed.
     negative_inputs: Vec<(Operand, Operand)>,
     names: Distinct,
 }
@@ -166,7 +166,8 @@ impl Rewriting {
         self.places[index] = self.push(instruction.name.clone(), operation);
     }
 
-    /// A negation inside a fused operation is free, because processors support all combinations of signs.
+    /// Negative of an operand of a fused operation. The negation is free, because processors support all
+    /// combinations of signs.
     fn negative(&mut self, operand: Operand) -> Operand {
         let stem = match operand {
             Operand::Constant(number) => return Operand::Constant(-number),

@@ -1,8 +1,8 @@
 //! Interpreter of programs. Its results are the reference for generated code, bit for bit.
 //!
 //! Interpreter and compiled function perform the same operations in the same order with the same elementary
-//! functions, and each operation is rounded once. Therefore all bits agree. Only the sign and payload of a
-//! NaN may differ, because IEEE 754 does not specify them.
+//! functions, and each operation is rounded once. Only the sign and payload of a NaN may differ, because IEEE
+//! 754 does not specify them.
 
 use core::fmt;
 
@@ -10,7 +10,7 @@ use super::{Operand, Operation, Program};
 use gelenk_formula::Function;
 use gelenk_kernels::math;
 
-/// Errors of running a program.
+/// Errors that prevent the interpretation of a program.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum InterpretError {
     /// The number of input arrays is wrong: expected number, given number.
@@ -78,7 +78,8 @@ struct State<'a> {
     inputs: &'a [&'a [f64]],
     parameters: &'a [f64],
     values: Vec<f64>,
-    /// Cosines that were computed with a sine, each with the index of its `SinCos`, in ascending order.
+    /// Cosines that were computed together with a sine, each with the index of the `SinCos` instruction, in
+    /// ascending order.
     cosines: Vec<(usize, f64)>,
 }
 

@@ -1,5 +1,5 @@
-//! Divides a function over lanes (several states at once): its angles are computed first, then parts without
-//! sines and cosines follow.
+//! Divides a function over lanes (several states at once) into its angles with their sines and cosines, and
+//! parts without sines and cosines.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -10,19 +10,21 @@ use super::{Operand, Operation, Program};
 
 /// Division of a function over lanes (several states at once) into parts.
 pub(crate) struct Plan {
-    /// Indices of the instructions that compute the angles, and of each `SinCos`.
+    /// Indices of the instructions that compute the angles, and of the `SinCos` instructions.
     pub(crate) angles: Vec<usize>,
-    /// Indices of each `SinCos`.
+    /// Indices of the `SinCos` instructions, which compute sine and cosine of an angle.
     pub(crate) pairs: Vec<usize>,
     /// For each instruction, whether it is in a part. Sines and cosines, and values that only they use, are
     /// not in a part.
     pub(crate) is_in_part: Vec<bool>,
-    /// Parts with all other instructions, in order.
+    /// Parts of the function with all instructions except sines, cosines and the values that only they use,
+    /// in order.
     pub(crate) parts: Vec<Part>,
 }
 
 impl Plan {
-    /// Divides a program. `None` if an angle of the program depends on a sine or another function.
+    /// Divides a program into its angles and parts. `None` if an angle of the program depends on a sine or
+    /// another function.
     ///
     /// - `longest`: largest number of statements of a part
     pub(crate) fn new(program: &Program, flow: &Flow, longest: usize) -> Option<Self> {
@@ -48,7 +50,7 @@ impl Plan {
     }
 }
 
-/// Reason why a program cannot be written over lanes; `None` if it can.
+/// Reason why a program cannot be written over lanes (several states at once); `None` if it can.
 pub(crate) fn obstacle(program: &Program) -> Option<&'static str> {
     if program.inputs.iter().all(|input| input.extent.len == 0) {
         return Some("it has no argument, so its result is the same for all states");
@@ -82,8 +84,8 @@ fn parts(program: &Program, flow: &Flow, longest: usize, is_in_part: &[bool]) ->
     parts
 }
 
-/// Makes a part. Entries of large results are written in the part that computes them. All other entries are
-/// written at the end.
+/// Makes a part of a function for several states at once. Entries of large results are written in the part
+/// that computes them. All other entries are written at the end.
 fn part(program: &Program, flow: &Flow, is_in_part: &[bool], range: Range<usize>, is_last: bool) -> Part {
     let is_own = |value: usize| is_in_part[value] && range.contains(&value);
     let in_place = program.has_large_results();
@@ -117,7 +119,7 @@ fn is_arithmetic(program: &Program, index: usize) -> bool {
     !is_trigonometric(program, index) && !matches!(program.instructions[index].operation, Operation::Call(..))
 }
 
-/// Instructions on which `roots` depend, through instructions for which `passes` returns true.
+/// For each instruction, whether `roots` depend on it through instructions for which `passes` returns true.
 fn needed(
     program: &Program,
     roots: impl Iterator<Item = Operand>,

@@ -1,6 +1,6 @@
 //! Greek letters and their names.
 
-/// Greek letters and their names. A formula may call `ω` what code calls `omega`.
+/// Greek letters and their names. Formulas may use `ω` for the name `omega`.
 const GREEK: [(char, &str); 34] = [
     ('α', "alpha"),
     ('β', "beta"),

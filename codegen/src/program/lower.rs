@@ -15,18 +15,18 @@ use crate::graph::{Edge, Graph, Node, balanced};
 use crate::layout::{Dimension, Extent};
 use gelenk_formula::Function;
 
-/// A result of a function: name, shape, and entries in the graph, row-major.
+/// A result of a function: name, shape, and entries as nodes of the graph, row-major.
 #[derive(Debug, Clone)]
 pub struct GraphOutput {
-    /// Name for documentation.
+    /// Name of the result for documentation.
     pub name: String,
-    /// Shape of the result.
+    /// Shape of the result: number, vector or matrix.
     pub shape: Shape,
-    /// Entries.
+    /// Entries of the result as signed references to nodes, row-major.
     pub entries: Vec<Edge>,
 }
 
-/// Converts the outputs to the program that computes them.
+/// Converts the outputs of a graph to the straight-line program that computes them.
 pub fn lower(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) -> Program {
     lowered(graph, inputs, outputs, |results| results.to_vec())
 }
@@ -35,8 +35,8 @@ pub fn lower(graph: &Graph, inputs: Vec<InputArray>, outputs: &[GraphOutput]) ->
 ///
 /// If there are many values, results are computed from the last velocity to the first. A leaf of the tree
 /// depends only on its own branch. In this order, the values of a branch are computed together and used while
-/// they are in registers. Relative to the usual order, the Jacobians of a quadruped's inverse dynamics then
-/// take 0.8 of the time. M and the inverse dynamics of a humanoid take 0.7 to 0.8 of the time.
+/// they are in registers. The times relative to the usual order are 0.8 for the Jacobians of a quadruped's
+/// inverse dynamics, and 0.7 to 0.8 for the mass matrix and inverse dynamics of a humanoid.
 ///
 /// Functions with divisions, for example the forward dynamics, keep the usual order. In these functions each
 /// value waits for the previous one, so computing branches in parallel is faster.
@@ -56,7 +56,8 @@ pub fn lower_from_leaves(graph: &Graph, inputs: Vec<InputArray>, outputs: &[Grap
     lowered(graph, inputs, outputs, |results| from_leaves(outputs, results))
 }
 
-/// Least number of values for which the order matters. Shorter programs are fast in any order.
+/// Least number of values in a program for which the order of computation matters. Shorter programs are fast
+/// in any order.
 const MANY_VALUES: usize = 300;
 
 fn lowered(
@@ -107,7 +108,7 @@ fn last_velocity(shape: Shape, entry: usize) -> usize {
     }
 }
 
-/// Makes names unique. Values without a label get numbers.
+/// Gives all values of a program unique names. Values without a suggested name get numbers.
 pub(super) fn give_names(program: &mut Program) {
     let inputs = program.inputs.iter().map(|input| input.name.clone());
     let mut taken: Distinct = inputs.chain(["p".to_owned()]).collect();
@@ -122,13 +123,13 @@ pub(super) fn give_names(program: &mut Program) {
 struct Lowering<'g> {
     graph: &'g Graph,
     instructions: Vec<Instruction>,
-    /// Value of each node after its computation.
+    /// Value of each node of the graph; `None` before its computation.
     values: Vec<Option<Operand>>,
-    /// Negated value of each node, if it was needed.
+    /// Negated value of each node; `None` if no operation needed it.
     negatives: Vec<Option<Operand>>,
     /// For each angle, its sine and cosine if they are needed.
     angles: BTreeMap<Edge, [Option<Edge>; 2]>,
-    /// Length of the longest chain of operations that leads to each node.
+    /// Length of the longest chain of operations that leads to each node of the graph.
     height: Vec<u32>,
 }
 
@@ -157,8 +158,8 @@ impl<'g> Lowering<'g> {
         }
     }
 
-    /// Computes a node and its operands. The operand with the longest chain is first, so that values are used
-    /// soon.
+    /// Computes a node and its operands. The operand with the longest chain of operations is first, so that
+    /// values are used soon.
     fn visit(&mut self, root: Edge) {
         let mut pending = vec![(root.abs(), false)];
         while let Some((edge, ready)) = pending.pop() {
@@ -225,7 +226,8 @@ impl<'g> Lowering<'g> {
         }
     }
 
-    /// The operand for a signed reference. A negation is inserted if no operation can include the sign.
+    /// The operand for a signed reference to a node. A negation is inserted if no operation can include the
+    /// sign.
     fn signed(&mut self, edge: Edge) -> Operand {
         #[expect(clippy::expect_used, reason = "operands are visited before their users")]
         let value = self.values[edge.index()].expect("operands stand before their users");
@@ -248,7 +250,7 @@ impl<'g> Lowering<'g> {
         self.push(self.graph.label_of(edge), operation)
     }
 
-    /// Appends an instruction. Its label is used as its name until names are made unique.
+    /// Appends an instruction to the program. Its suggested name is kept until names are made unique.
     fn push(&mut self, label: Option<String>, operation: Operation) -> Operand {
         let index = self.instructions.len();
         self.instructions.push(Instruction { name: label.unwrap_or_default(), operation });

@@ -6,24 +6,24 @@ use gelenk_formula::Function;
 /// A straight-line program: the body of one generated function.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Program {
-    /// Input arrays in argument order.
+    /// Input arrays of the program, in argument order.
     pub inputs: Vec<InputArray>,
     /// Instructions in execution order. Instruction `k` defines value `k`.
     pub instructions: Vec<Instruction>,
-    /// Results in order.
+    /// Results of the program, in order.
     pub outputs: Vec<Output>,
 }
 
-/// Largest number of entries of a result that is returned by value. Larger results are written to memory of
+/// Largest total number of result entries that are returned by value. Larger results are written to memory of
 /// the caller.
 ///
 /// A matrix that is returned by value is stored entry by entry and then copied as vectors, and a processor
-/// cannot forward such data from its store buffer. M and the bias forces of a UR5 took 119 ns if returned,
-/// and 60 ns if written to memory of the caller.
+/// cannot forward such data from its store buffer. The mass matrix and bias forces of a UR5 took 119 ns if
+/// returned, and 60 ns if written to memory of the caller.
 const LARGEST_RETURNED: usize = 16;
 
 impl Program {
-    /// Entries of all results.
+    /// Entries of all results of the program.
     pub(crate) fn entries(&self) -> impl Iterator<Item = Operand> {
         let outputs = self.outputs.iter();
         outputs.flat_map(|output| output.entries.iter().copied())
@@ -49,23 +49,23 @@ impl Program {
 pub struct InputArray {
     /// Argument name: `y`, `v`, `a`, `u`, …
     pub name: String,
-    /// Meaning and number of the entries.
+    /// Meaning and number of the array's entries.
     pub extent: Extent,
 }
 
-/// An instruction. It defines one value.
+/// An instruction of a program. It defines one value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Instruction {
-    /// Name of the value: a Rust identifier, unique within the program.
+    /// Name of the instruction's value: a Rust identifier, unique within the program.
     pub name: String,
     /// The operation that computes the value.
     pub operation: Operation,
 }
 
-/// An operand of an operation.
+/// An operand of an operation in a program.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Operand {
-    /// Value of an earlier instruction, by index.
+    /// Value of an earlier instruction, by the instruction's index.
     Value(usize),
     /// Entry of an input array: index of the array, then index of the entry.
     Input(usize, usize),
@@ -91,12 +91,12 @@ pub enum Operation {
     /// `a * b + c` with one rounding. A program only contains this operation if fused multiply-adds are
     /// requested.
     MultiplyAdd(Operand, Operand, Operand),
-    /// `sin a`. The same call computes the cosine, which is [`Operation::CosineOf`] with the index of this
-    /// instruction.
+    /// `sin a`. The same call computes the cosine, to which [`Operation::CosineOf`] refers by the index of
+    /// this instruction.
     SinCos(Operand),
     /// The cosine computed by the [`Operation::SinCos`] at this index.
     CosineOf(usize),
-    /// `f(a)` with an elementary function f
+    /// `f(a)` with an elementary function f, for example `tanh(a)`
     Call(Function, Operand),
 }
 
@@ -117,18 +117,18 @@ impl Operation {
     }
 }
 
-/// One result of the program.
+/// One result of a program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Output {
-    /// Name for documentation.
+    /// Name of the result for documentation.
     pub name: String,
-    /// Shape of the result.
+    /// Shape of the result: number, vector or matrix.
     pub shape: Shape,
-    /// Entries, row-major.
+    /// Entries of the result, row-major.
     pub entries: Vec<Operand>,
 }
 
-/// Shape of a result.
+/// Shape of a result: number, vector or matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
     /// A number: `f64`.
@@ -157,7 +157,7 @@ impl Shape {
         }
     }
 
-    /// Lengths of the dimensions, rows first.
+    /// Lengths of a result's dimensions, rows first; empty for a number.
     #[must_use]
     pub fn extents(self) -> Vec<Extent> {
         match self {

@@ -10,18 +10,18 @@ use std::ops::Range;
 use super::flow::{Flow, operands};
 use super::{Operand, Program};
 
-/// A sequence of instructions, and the values that it exchanges with other parts.
+/// A part of a long program: a sequence of instructions, and the values that it exchanges with other parts.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Part {
-    /// Range of the part in the program.
+    /// Range of the part's instructions in the program.
     pub(crate) range: Range<usize>,
-    /// Earlier values that the part uses.
+    /// Values of earlier parts that the part uses.
     pub(crate) takes: Vec<usize>,
     /// Values that later parts use, and results of the program if the part does not write them.
     pub(crate) returns: Vec<usize>,
     /// Input arrays that the part uses.
     pub(crate) inputs: Vec<usize>,
-    /// Whether the part uses parameters.
+    /// Whether the part uses free parameters.
     pub(crate) reads_parameters: bool,
     /// Results that the part writes, each with the indices of the written entries. Empty if results are
     /// written after all parts.
@@ -29,7 +29,7 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    /// Makes a part with these operands, without results.
+    /// Makes a part of a program with the given operands, without results.
     ///
     /// - `is_own`: returns whether the part computes a value
     pub(super) fn new(
@@ -51,7 +51,7 @@ impl Part {
     }
 }
 
-/// Parts of a program. A program with at most `longest` statements has one part.
+/// Divides a program into parts. A program with at most `longest` statements has one part.
 pub(crate) fn parts(program: &Program, flow: &Flow, longest: usize) -> Vec<Part> {
     let cuts = cuts(program, flow, longest.max(1));
     let parts = cuts.windows(2).map(|cut| {
@@ -67,7 +67,7 @@ pub(crate) fn parts(program: &Program, flow: &Flow, longest: usize) -> Vec<Part>
     parts
 }
 
-/// Sets the results of each part: values that later parts use, or that are in `read_later`.
+/// Sets the values that each part returns: values that later parts use, or that are in `read_later`.
 pub(super) fn hand_on(
     parts: &mut [Part],
     mut read_later: BTreeSet<usize>,
@@ -91,9 +91,9 @@ fn values(operands: impl Iterator<Item = Operand>, flow: &Flow) -> BTreeSet<usiz
 /// Values that a sequence of instructions uses.
 pub(crate) struct Reads {
     values: BTreeSet<usize>,
-    /// Input arrays.
+    /// Input arrays that the instructions use.
     pub(crate) inputs: Vec<usize>,
-    /// Whether parameters are used.
+    /// Whether the instructions use free parameters.
     pub(crate) parameters: bool,
 }
 
@@ -134,7 +134,7 @@ fn cuts(program: &Program, flow: &Flow, longest: usize) -> Vec<usize> {
 }
 
 /// For each instruction and for the end of the program: the number of values that are computed earlier and
-/// used there or later.
+/// used at this instruction or later.
 fn alive_before(program: &Program, flow: &Flow) -> Vec<usize> {
     let len = program.instructions.len();
     let mut last_read: Vec<Option<usize>> = vec![None; len];
@@ -160,7 +160,7 @@ fn alive_before(program: &Program, flow: &Flow) -> Vec<usize> {
     running.take(len + 1).collect()
 }
 
-/// Largest number of values that are in use at once. Results are in use until the end.
+/// Largest number of values that are in use at the same time. Results are in use until the end.
 pub(crate) fn most_alive(program: &Program, flow: &Flow) -> usize {
     alive_before(program, flow).into_iter().max().unwrap_or(0)
 }

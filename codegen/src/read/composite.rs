@@ -4,29 +4,29 @@ use crate::description::{DriveChoice, JointDescription, Name, PartOf};
 use crate::diagnostic::At;
 use crate::model::{JointKind, Pose, QuaternionKind};
 
-/// A joint that is read as several joints.
+/// A joint with several degrees of freedom, which is read as a chain of joints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Composite {
-    /// Rotation about the axis and translation along it.
+    /// Rotation about the joint's axis and translation along it.
     Cylindrical,
     /// Rotation about the x axis of the joint's frame, then about the y axis.
     Universal,
     /// Translation along two directions of a plane, then rotation about its normal.
     Planar,
-    /// A joint with a quaternion. Its parts are the velocities in the body's own frame.
+    /// A joint with a quaternion. It is read as one joint for each of its velocities in the body's own frame.
     Quaternion(QuaternionKind),
 }
 
-/// A part of a [`Composite`] joint.
+/// One of the joints as which a joint with several degrees of freedom is read.
 #[derive(Debug)]
 pub(crate) struct Part {
-    /// Suffix of the part's name, and key of its values.
+    /// Suffix of the part's joint name, and key of its values in tables of the joint, for example `turn`.
     pub name: &'static str,
     pub kind: JointKind,
     axis: PartAxis,
 }
 
-/// The axis of a part, in the frame whose z axis is the axis of the joint.
+/// Axis of one part of the joint, in a frame whose z axis is the axis of the whole joint.
 #[derive(Debug, Clone, Copy)]
 enum PartAxis {
     X,
@@ -65,7 +65,7 @@ impl Composite {
         Self::FLOATING,
     ];
 
-    /// A floating joint.
+    /// A floating joint, with three translations and a rotation.
     pub const FLOATING: Self = Self::Quaternion(QuaternionKind::Floating);
 
     /// Type of the joint with a quaternion; `None` for other joints.
@@ -76,7 +76,7 @@ impl Composite {
         }
     }
 
-    /// Composite joint with this type name; `None` if the name belongs to no composite joint.
+    /// The joint type with this name; `None` if it is not a type with several degrees of freedom.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|composite| composite.name() == name)
     }
@@ -90,7 +90,7 @@ impl Composite {
         }
     }
 
-    /// Parts in their order from the base outwards.
+    /// The joints as which this joint is read, in their order from the base outwards.
     pub fn parts(self) -> &'static [Part] {
         match self {
             Self::Cylindrical => CYLINDRICAL,
@@ -101,14 +101,14 @@ impl Composite {
         }
     }
 
-    /// Names of the parts, for messages.
+    /// List of the names of the joint's parts, for messages.
     pub fn listed(self) -> String {
         let names: Vec<String> = self.parts().iter().map(|part| format!("`{}`", part.name)).collect();
         names.join(", ")
     }
 }
 
-/// Pose and links of a composite joint.
+/// Pose and links of a joint with several degrees of freedom.
 #[derive(Debug)]
 pub(crate) struct Place {
     pub parent: Option<Name>,
@@ -117,8 +117,8 @@ pub(crate) struct Place {
     pub axis: [f64; 3],
 }
 
-/// The chain of joints of a composite joint. The first joint of the chain has the pose of the composite
-/// joint. The last joint carries its link.
+/// The chain of joints as which a joint with several degrees of freedom is read. The first joint of the chain
+/// has the pose of the whole joint. The last joint carries its link.
 ///
 /// - `values`: returns the joint of a part with this name, with limits, drive, friction and spring
 pub(crate) fn expand(
@@ -154,9 +154,11 @@ pub(crate) fn expand(
 }
 
 impl PartAxis {
-    /// The axis in the joint's frame. `z` is the axis of the joint. The axes x and y of the joint's frame are
-    /// rotated by the shortest rotation from e_z to z, or by 180° about x if z is opposite to e_z:
-    /// `R = 1 + [w]ₓ + [w]ₓ² / (1 + c)` with w = e_z × z, c = e_z · z.
+    /// The axis of the part in the joint's frame. `z` is the axis of the joint.
+    ///
+    /// The axes x and y of the joint's frame are rotated by the shortest rotation from e_z to z:
+    /// `R = 1 + [w]ₓ + [w]ₓ² / (1 + c)` with w = e_z × z, c = e_z · z. If z is opposite to e_z, they are
+    /// rotated by 180° about x.
     fn along(self, z: [f64; 3]) -> [f64; 3] {
         let [a, b, c] = z;
         let below = 1.0 + c;
@@ -171,7 +173,8 @@ impl PartAxis {
     }
 }
 
-/// If 1 + cos is smaller than this value, the axis is opposite to e_z up to rounding.
+/// If 1 + cos of the angle between the axis and e_z is smaller than this value, the axis is opposite to e_z
+/// up to rounding.
 const OPPOSITE: f64 = 1e-12;
 
 #[cfg(test)]

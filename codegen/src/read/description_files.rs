@@ -8,7 +8,7 @@ use super::options::ReadOptions;
 use super::{Loaded, file_kind, from_xml, is_xml, toml_with};
 use crate::diagnostic::{Diagnostic, Diagnostics, Report, Span};
 
-/// Largest accepted size of a file, in bytes.
+/// Largest accepted size of a description's file, in bytes.
 const LARGEST: u64 = 256 << 20;
 
 /// A description and the files that it extends, with their contents at the first reading. Later calls of
@@ -52,8 +52,8 @@ impl DescriptionFiles {
         Ok(is_xml(&name, &text) && file_kind::is_mjcf(&text))
     }
 
-    /// Interprets a TOML, URDF or MJCF description. The extension of the file name determines the format. If the
-    /// extension is unknown, the content determines the format.
+    /// Interprets the TOML, URDF or MJCF description. The extension of the file name determines the format,
+    /// or the content if the extension is unknown.
     ///
     /// # Errors
     /// Returns all problems of the description, or an error if a file cannot be read.
@@ -82,7 +82,7 @@ impl DescriptionFiles {
         Ok(&self.files[index].1)
     }
 
-    /// Name of a file in diagnostics, and its text.
+    /// Reads a file. Returns its name in diagnostics, and its text.
     fn text(&mut self, path: &Path) -> Result<(String, String), Diagnostics> {
         let name = path.display().to_string();
         let bytes = self.bytes(path)?;
@@ -94,7 +94,7 @@ impl DescriptionFiles {
     }
 }
 
-/// Files in the folder of a description.
+/// Loader of files whose paths are relative to the folder of a description.
 struct FromFolder<'f> {
     files: &'f mut DescriptionFiles,
     folder: &'f Path,
@@ -110,8 +110,8 @@ impl Fetch for FromFolder<'_> {
     }
 }
 
-/// Reads a TOML, URDF or MJCF description. The extension of the file name determines the format. If the
-/// extension is unknown, the content determines the format.
+/// Reads a TOML, URDF or MJCF description. The extension of the file name determines the format, or the
+/// content if the extension is unknown.
 ///
 /// # Errors
 /// Returns all problems of the description, or an error if a file cannot be read.

@@ -24,7 +24,7 @@ const BEGINNINGS: [(&[u8], &str, &str); 10] = [
     (b"\xfe\xff", "UTF-16 text", UTF_8),
 ];
 
-/// Roots of XML files that often accompany a URDF.
+/// Root tags of XML files that often accompany a URDF, kind of the file, and remedy.
 const ROOTS: [(&str, &str, &str); 3] = [
     ("sdf", "a robot or world in SDF", CONVERT),
     ("COLLADA", "a mesh (COLLADA)", MESH),
@@ -80,7 +80,7 @@ pub(super) fn is_mjcf(text: &str) -> bool {
     root(text.trim_start_matches('\u{feff}').trim_start()) == Some("mujoco")
 }
 
-/// Whether the bytes occur near the beginning of a file.
+/// Whether the expected bytes occur near the beginning of a file.
 fn holds(bytes: &[u8], expected: &[u8]) -> bool {
     let near = &bytes[..bytes.len().min(1000)];
     near.windows(expected.len()).any(|part| part == expected)

@@ -7,18 +7,19 @@ use crate::diagnostic::{At, Report, Span};
 use crate::model::QuaternionKind;
 use std::collections::BTreeSet;
 
-/// Names of the floating joint. Names of its velocities begin with the joint's name. The second name is used if
-/// the first name is in use.
+/// Names of the floating joint, with which the names of its velocities begin. The second name is used if the
+/// first name is in use.
 const JOINT: [&str; 2] = ["base", "floating_base"];
 
-/// Names of the link before the floating joint.
+/// Names of the link to which the floating joint connects the base. The second name is used if the first name
+/// is in use.
 const WORLD: [&str; 2] = ["world", "inertial_frame"];
 
 /// Links with these names, in large or small letters, are the ground. Links that are fixed to the ground do
 /// not move.
 const GROUND: [&str; 5] = ["world", "world_link", "map", "odom", "ground"];
 
-/// Makes the base floating if the description asks for it.
+/// Adds a floating joint under the base link if the description or an option makes the base floating.
 pub(super) fn free(robot: &mut RobotDescription, report: &mut Report) {
     let Some(span) = robot.floating_base.filter(|_| !robot.is_freed) else { return };
     // Without a single root the links are no tree, which is reported elsewhere.
@@ -39,7 +40,7 @@ pub(super) fn free(robot: &mut RobotDescription, report: &mut Report) {
     }
 }
 
-/// Puts a floating joint under the base.
+/// Puts a floating joint under the base link.
 ///
 /// - `told`: described velocities; the velocities of the joint are removed from this list
 fn put_joint(robot: &mut RobotDescription, root: &str, span: Span, told: &mut Vec<JointDescription>) {
@@ -72,7 +73,7 @@ fn base_joint(robot: &RobotDescription) -> String {
     unused(JOINT, |name| robot.joints.iter().any(|joint| joint.name.value == name))
 }
 
-/// Names to which an extending description can refer, for the reader of the extension.
+/// Names in a description to which an extending description can refer.
 ///
 /// - `asked`: whether an option makes the base floating
 pub(super) fn extended(robot: &RobotDescription, asked: bool) -> Extended {
@@ -97,18 +98,18 @@ fn has_body(robot: &RobotDescription, link: &str) -> bool {
     robot.bodies.iter().any(|body| body.link.value == link)
 }
 
-/// The joints on a link.
+/// The joints whose parent is this link.
 fn carried<'d>(robot: &'d RobotDescription, link: &str) -> impl Iterator<Item = &'d JointDescription> {
     robot.joints.iter().filter(move |joint| joint.parent.as_ref().is_some_and(|parent| parent.value == link))
 }
 
-/// Whether a joint is a velocity of a floating joint.
+/// Whether a joint is one of the velocities of a floating joint.
 fn floats(joint: &JointDescription) -> bool {
     joint.part_of.as_ref().is_some_and(|part| part.kind == QuaternionKind::Floating)
 }
 
-/// Handles a base link that is the ground. If the robot already floats on the ground, the option has no
-/// effect. Otherwise an error is reported.
+/// Handles a base link that is the ground. If the robot already floats on the ground, making the base
+/// floating has no effect. Otherwise an error is reported.
 fn stand_on_ground(robot: &mut RobotDescription, ground: &str, span: Span, report: &mut Report) {
     let floating = carried(robot, ground).find(|joint| floats(joint));
     let Some(joint) = floating.and_then(|joint| joint.part_of.as_ref()).map(|part| part.joint.clone()) else {
@@ -135,14 +136,14 @@ fn unused([first, second]: [&str; 2], is_taken: impl Fn(&str) -> bool) -> String
     if is_taken(first) { second } else { first }.to_owned()
 }
 
-/// Names of all links. Some names occur several times.
+/// Names of all links that joints and bodies mention. Some names occur several times.
 fn links(robot: &RobotDescription) -> impl Iterator<Item = &str> {
     let ends = robot.joints.iter().flat_map(|joint| [&joint.parent, &joint.child]).flatten();
     let bodies = robot.bodies.iter().map(|body| &body.link);
     robot.links.iter().chain(&robot.base).chain(ends).chain(bodies).map(|name| name.value.as_str())
 }
 
-/// The only link that no joint carries; `None` if there is not exactly one link without a joint.
+/// The only link that no joint carries; `None` if there are several such links or none.
 fn root(robot: &RobotDescription) -> Option<String> {
     let children = robot.joints.iter().filter_map(|joint| joint.child.as_ref());
     let children: BTreeSet<&str> = children.map(|name| name.value.as_str()).collect();

@@ -1,4 +1,5 @@
-//! Held joints by name patterns, and followers of joints at rest.
+//! Holds joints at fixed positions: joints whose names match a pattern, and joints that follow only held
+//! joints.
 
 use crate::description::{FollowsDescription, Name, RobotDescription};
 use crate::diagnostic::{At, Report, nearest};
@@ -6,8 +7,8 @@ use crate::wording::list;
 use gelenk_formula::Hold;
 use std::collections::BTreeMap;
 
-/// Holds the joints whose names match a pattern. A follower whose name matches must follow only joints at
-/// rest.
+/// Holds the joints whose names match a pattern. A joint that follows other joints must follow only held
+/// joints to be held.
 pub(super) fn apply(robot: &mut RobotDescription, holds: &[At<Hold>], report: &mut Report) {
     for At { value: hold, span } in holds {
         let mut is_unknown = true;
@@ -39,7 +40,7 @@ pub(super) fn apply(robot: &mut RobotDescription, holds: &[At<Hold>], report: &m
     }
 }
 
-/// Holds joints that follow only joints at rest. Their position is Σ ratio · position + offset.
+/// Holds joints that follow only held joints. Their position is Σ ratio · position + offset.
 pub(super) fn settle(robot: &mut RobotDescription, report: &mut Report) {
     let defaults: Vec<f64> = robot.parameters.iter().map(|parameter| parameter.value.default).collect();
     let at_rest = robot.joints.iter().filter_map(|joint| Some((joint.name.value.clone(), joint.held?)));
@@ -72,7 +73,8 @@ pub(super) fn settle(robot: &mut RobotDescription, report: &mut Report) {
     }
 }
 
-/// The product `ratio · position` for a joint at rest; `None` if it is not a constant.
+/// The product `ratio · position` for a followed joint that is held; `None` if the joint is not held or the
+/// product depends on parameters.
 fn part(term: &FollowsDescription, positions: &BTreeMap<String, f64>, defaults: &[f64]) -> Option<f64> {
     let position = *positions.get(&term.joint.value)?;
     let ratio = &term.ratio.value;

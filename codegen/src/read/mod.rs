@@ -1,7 +1,7 @@
 //! Conversion of a description to a valid [`Model`].
 //!
-//! The readers of TOML, URDF and MJCF make a `RobotDescription`. `check/` converts it to a model or reports
-//! all problems.
+//! The readers of TOML, URDF and MJCF make a `RobotDescription`. The module `check` converts it to a model or
+//! reports all problems.
 
 mod composite;
 mod description_files;
@@ -33,14 +33,14 @@ use gelenk_formula::Hold;
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
-/// A robot that was read.
+/// A robot that was read, with notes and files.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loaded {
-    /// The robot.
+    /// The robot as a checked model.
     pub model: Model,
-    /// Notes about skipped or changed elements.
+    /// Notes about elements of the description that were skipped or changed.
     pub notes: Diagnostics,
-    /// Files that were read. The description is the first.
+    /// All files that were read. The description is the first.
     pub files: Vec<PathBuf>,
 }
 
@@ -75,7 +75,7 @@ pub fn from_toml(
     toml_with(text, name, options, &mut Texts(load))
 }
 
-/// Reads a TOML description as [`from_toml`] does.
+/// Reads a TOML description. Unlike [`from_toml`], it can also load meshes of an extended MJCF.
 fn toml_with(
     text: &str,
     name: &str,
@@ -142,7 +142,7 @@ fn from_xml(
     }
 }
 
-/// Applies the options of the caller, in addition to the options in the description.
+/// Applies the options of the caller to the model, in addition to the options in the description.
 fn apply(options: &ReadOptions, model: &mut Model) {
     model.options.smooth_sign = match options.exact_sign {
         true => None,
@@ -222,14 +222,16 @@ fn finish(
     }
 }
 
-/// The first parameter that no formula uses, and the names of all unused parameters; `None` if all are used.
+/// The place of the first parameter that no formula uses, and a list of all unused parameters; `None` if all
+/// are used.
 fn unused(reader: &Reader) -> Option<(Span, String)> {
     let parameters: Vec<_> = reader.unused.iter().filter_map(|&index| reader.parameters.get(index)).collect();
     let names = listed(parameters.iter().map(|parameter| format!("`{}`", parameter.value.name)));
     Some((parameters.first()?.span, names))
 }
 
-/// Notes joints that follow because of `follows` in a TOML file, although the caller frees mimic joints.
+/// Adds a note about joints that still follow other joints because of `follows` in a TOML file, although the
+/// caller frees mimic joints.
 fn note_followers(robot: &RobotDescription, report: &mut Report) {
     let follows = robot.joints.iter().filter_map(|joint| Some((joint, joint.follows.as_ref()?)));
     let found: Vec<_> = follows.collect();
@@ -243,7 +245,7 @@ fn note_followers(robot: &RobotDescription, report: &mut Report) {
     );
 }
 
-/// Makes driven joints independent joints without a drive.
+/// Makes driven joints (with a prescribed motion) independent joints without a drive.
 fn free_driven(robot: &mut RobotDescription) {
     for joint in robot.joints.iter_mut().filter(|joint| joint.is_driven()) {
         let span = joint.driven.take().map_or(joint.name.span, |driven| driven.span);
@@ -263,7 +265,7 @@ fn read_urdf(reader: &mut Reader, text: &str, name: &str, options: &ReadOptions)
     urdf::description(report, angles, text, source, name, options)
 }
 
-/// Reads an MJCF.
+/// Reads an MJCF to a robot description; `None` after an error.
 ///
 /// - `path`: path of the file; paths of included files are relative to its folder
 fn read_mjcf(
@@ -280,18 +282,18 @@ fn read_mjcf(
     mjcf::description(report, angles, text, source, path, options, load)
 }
 
-/// Largest number of descriptions that extend each other.
+/// Largest number of descriptions that extend each other in sequence.
 const DEEPEST: usize = 8;
 
-/// Descriptions that extend each other, and the loader of the next description.
+/// Descriptions that extend each other, and the function that loads the next description.
 struct Chain<'l> {
     load: &'l mut dyn Fetch,
-    /// Paths of the descriptions, relative to the folder of the first description.
+    /// Paths of the descriptions that were read, relative to the folder of the first description.
     files: Vec<PathBuf>,
 }
 
 impl Chain<'_> {
-    /// Path of a file that the last description names.
+    /// Path of a file that the last description names, relative to the folder of the first description.
     fn path_of(&self, file: &str) -> PathBuf {
         let folder = self.files.last().and_then(|file| file.parent());
         folder.unwrap_or(Path::new("")).join(file)
@@ -357,7 +359,7 @@ fn read_toml(
 
 const BODY_OF_MJCF: &str = "`body` chooses a body of an MJCF scene, but the description extends no MJCF";
 
-/// Reports a chosen body if the description extends no MJCF.
+/// Reports an error if a body of a scene is chosen but the description extends no MJCF.
 ///
 /// - `is_chosen`: whether a body is chosen
 fn require_mjcf(robot: &Option<RobotDescription>, is_chosen: bool, report: &mut Report) {
@@ -366,7 +368,7 @@ fn require_mjcf(robot: &Option<RobotDescription>, is_chosen: bool, report: &mut 
     }
 }
 
-/// Holds the joints that the description names.
+/// Holds the joints that the description holds by name patterns.
 fn held(mut robot: RobotDescription, holds: &[At<Hold>], report: &mut Report) -> RobotDescription {
     hold::apply(&mut robot, holds, report);
     robot
@@ -470,8 +472,8 @@ fn index<'n>(names: impl Iterator<Item = &'n Name>) -> BTreeMap<String, usize> {
     names.enumerate().map(|(at, name)| (name.value.clone(), at)).collect()
 }
 
-/// Replaces mass, centre and inertia of a body separately. A new centre or inertia is in the frame of the link,
-/// unless the extension has a new origin.
+/// Replaces mass, centre and inertia of a body by those values that the extension has. A new centre or
+/// inertia is in the frame of the link, unless the extension has a new origin.
 fn extend_body(known: &mut BodyDescription, body: BodyDescription) {
     let moved = body.center_of_mass.is_some() || body.inertia.is_some();
     let replaced = moved || body.mass.is_some();

@@ -4,10 +4,11 @@ use crate::description::{Name, RobotDescription};
 use crate::diagnostic::{Report, Span, nearest};
 use std::collections::BTreeSet;
 
-/// Keeps the tree that contains a link, from the base outwards. Removes other robots and objects.
+/// Keeps the tree that contains a link, from the base outwards. Removes other robots and objects from the
+/// scene.
 ///
 /// - `base`: link that carries all trees
-/// - `wanted`: the link, with the place of the request
+/// - `wanted`: the link, and `span` the place of the request
 pub(super) fn keep(robot: &mut RobotDescription, base: &str, wanted: &str, span: Span, report: &mut Report) {
     if wanted == base || !robot.links.iter().any(|link| link.value == wanted) {
         report.error(span, "unknown-link", format!("no body has the name `{wanted}`"));
@@ -31,7 +32,7 @@ fn edges(robot: &RobotDescription) -> Vec<(String, String)> {
     robot.joints.iter().filter_map(ends).collect()
 }
 
-/// Keeps a link, the links that it carries, and the frames of the base.
+/// Keeps the link `root`, the links that it carries, and the frames of the base.
 pub(super) fn cut(robot: &mut RobotDescription, base: &str, root: String) {
     // Parents are described before their children.
     let mut kept = BTreeSet::from([root]);

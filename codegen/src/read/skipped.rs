@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::diagnostic::{Diagnostic, Report, Severity, Span};
 use crate::wording::listed;
 
-/// A kind of remark about a description. It gives one note, however often it occurs.
+/// A kind of remark about a description. All its occurrences give one note.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Remark {
     severity: Severity,
@@ -23,12 +23,12 @@ impl Remark {
     }
 }
 
-/// Collects the remarks of a format during the reading of a file.
+/// Remarks about skipped or changed parts of a file, collected while the file is read.
 #[derive(Debug, Default)]
 pub(super) struct Notes {
     /// Skipped elements and attributes, each with its first place and the number of its occurrences.
     skipped: BTreeMap<String, (Span, usize)>,
-    /// For each remark its first place and the names of all elements that it concerns.
+    /// For each kind of remark, its first place and the names of all elements that it concerns.
     remarks: BTreeMap<Remark, (Span, Vec<String>)>,
 }
 
@@ -42,7 +42,7 @@ impl Notes {
         entry.or_insert_with(|| (span, Vec::new())).1.push(owner);
     }
 
-    /// Reports the collected elements. Elements that may affect the dynamics have a separate note.
+    /// Reports the collected remarks. Skipped elements that may affect the dynamics have a separate note.
     pub(super) fn report(self, is_harmless: impl Fn(&str) -> bool, report: &mut Report) {
         let (harmless, unknown): (Vec<_>, Vec<_>) =
             self.skipped.into_iter().partition(|(what, _)| is_harmless(what));

@@ -1,4 +1,4 @@
-//! Typeset equations.
+//! Typeset equations on the page of a robot.
 
 use gelenk_report::{Block, Cell, Equation, Inline, ReportError, Table, code, plain, text};
 
@@ -8,25 +8,26 @@ use crate::model::Model;
 use crate::program::display::{self, LatexResult, Notation};
 use crate::program::expanded::{MOST_TERMS, expanded};
 
-/// Closed forms in LaTeX.
+/// Closed forms of the equations of motion in LaTeX.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ClosedForm {
-    /// Entries of M, k, q and B as equations.
+    /// Entries of the mass matrix M, the Coriolis forces k, the applied forces q and the input matrix B, as
+    /// equations.
     pub equations: Vec<String>,
-    /// Lumped constants as equations.
+    /// Definitions of lumped constants (constant sums with their own symbols), as equations.
     pub constants: Vec<String>,
-    /// Symbols in the equations.
+    /// Symbols that occur in the equations.
     pub symbols: Vec<Symbol>,
 }
 
-/// A symbol of a closed form.
+/// A symbol of the equations, with value and meaning.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Symbol {
-    /// Symbol in LaTeX.
+    /// The symbol in LaTeX.
     pub name: String,
-    /// Value of the symbol in LaTeX.
+    /// Value of the symbol in the description, in LaTeX.
     pub value: String,
-    /// Meaning of the symbol.
+    /// Meaning of the symbol in the equations.
     pub meaning: String,
 }
 
@@ -34,12 +35,12 @@ pub struct Symbol {
 const MOST_OPEN: usize = 60;
 /// Largest number of typeset abbreviations. A browser needs seconds for tens of thousands.
 const MOST: usize = 1_500;
-/// Number of letters on one line of a printed page.
+/// Number of letters that fit on one line of a printed page.
 const LETTERS: usize = 85;
 /// Width of the space between two columns of a matrix, in letters.
 const COLUMN_GAP: usize = 3;
 
-/// The equations of motion, and the meaning of their symbols.
+/// Block with the equations of motion and the meaning of their symbols.
 pub(super) fn legend(robot: &Robot<'_>) -> Result<Vec<Block>, ReportError> {
     let equation = Equation::new(motion(robot))?;
     Ok(vec![
@@ -63,13 +64,14 @@ pub(super) fn motion(robot: &Robot<'_>) -> String {
     }
 }
 
-/// Names of the functions that compute M, k, q and B.
+/// Names of the functions that compute the mass matrix, Coriolis forces, applied forces and input matrix.
 pub(crate) const EQUATIONS: [&str; 4] = ["mass_matrix", "coriolis_forces", "applied_forces", "input_matrix"];
 /// Largest number of coordinates for which equations are written as sums.
 const MOST_COORDINATES: usize = 3;
 
-/// Entries of M, k, q and B as sums without intermediate values, in LaTeX and with the numbers of the
-/// description. M is symmetric, so only its upper triangle is given.
+/// Entries of the mass matrix, Coriolis forces, applied forces and input matrix as sums without intermediate
+/// values, in LaTeX and with the numbers of the description. The mass matrix is symmetric, so only its upper
+/// triangle is given.
 ///
 /// # Errors
 /// Returns a message if the robot has more than three coordinates, or if an entry has more than 1000 terms.
@@ -92,7 +94,7 @@ pub fn sums(model: &Model, functions: &[Function]) -> Result<Vec<String>, String
     Ok(sums)
 }
 
-/// The sums of [`sums`] as a LaTeX document (amsmath).
+/// The equations of motion as sums ([`sums`]) in a LaTeX document (amsmath).
 ///
 /// # Errors
 /// Returns the errors of [`sums`], or the text of a [`ReportError`] if a sum cannot be typeset.
@@ -153,7 +155,8 @@ pub(super) fn program(robot: &Robot<'_>, function: &Function) -> Vec<Block> {
     blocks
 }
 
-/// A result as one equation. If a matrix is too wide for paper, it has one equation per non-zero entry.
+/// A function's result as one equation. If a matrix is too wide for paper, it has one equation per non-zero
+/// entry.
 fn result_lines(result: &LatexResult) -> Vec<String> {
     let width = |entry: &String| Equation::new(entry.as_str()).map_or(0, |equation| equation.width());
     let columns = result.rows.first().map_or(0, Vec::len);
@@ -188,7 +191,7 @@ fn broken(latex: &[String]) -> Result<Vec<Equation>, ReportError> {
     lines.map(|lines| lines.concat())
 }
 
-/// Equations that may contain names of descriptions: typeset if possible, otherwise as text.
+/// Block of equations that may contain names of descriptions: typeset if possible, otherwise as text.
 pub(super) fn set(latex: &[String]) -> Block {
     match broken(latex) {
         Ok(equations) => Block::Equations(equations),

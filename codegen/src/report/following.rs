@@ -1,4 +1,4 @@
-//! Joints and shafts that follow coordinates and have their own friction or springs.
+//! Joints and shafts that follow coordinates and have their own friction or springs, on the page of a robot.
 
 use gelenk_report::{Cell, Table};
 
@@ -12,12 +12,12 @@ use gelenk_formula::Formula;
 pub(super) struct Following<'a> {
     name: &'a str,
     what: &'static str,
-    /// Motion z per unit of motion of each coordinate.
+    /// Followed coordinates with ratios: motion of the joint or shaft per unit of each coordinate's motion.
     follows: Vec<FollowedCoordinate>,
     offset: f64,
     pub(super) friction: &'a [FrictionTerm],
     pub(super) springs: &'a [Formula],
-    /// Index of the symbol z, from 1.
+    /// Index of the joint's symbol z on the page, from 1.
     pub(super) number: usize,
 }
 
@@ -58,13 +58,13 @@ impl Following<'_> {
         self.follows.iter().any(|term| term.coordinate == coordinate)
     }
 
-    /// Symbols of the position and the velocity.
+    /// Symbols of the position and the velocity, for example z₁ and ż₁.
     pub(super) fn motion(&self) -> Motion {
         Motion::numbered('z', self.number)
     }
 }
 
-/// Table of names and positions of joints and shafts that follow coordinates.
+/// Table of the names and positions of joints and shafts that follow coordinates.
 ///
 /// - `what`: `friction` or `springs`
 pub(super) fn table(robot: &Robot<'_>, following: &[Following<'_>], what: &str) -> Table {

@@ -13,7 +13,7 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    /// Position and velocity with the same index.
+    /// Symbols with the same letter and index for position and velocity.
     pub fn numbered(letter: char, number: usize) -> Self {
         Self { letter, position: number, velocity: number }
     }
@@ -38,14 +38,15 @@ pub(super) fn sum(formulas: &[Formula], parameters: &[String], motion: Motion) -
     summands.reduce(|sum, summand| join(&sum, &summand)).unwrap_or_default()
 }
 
-/// Binding strength of a formula, and of its place. A formula that binds less than its place gets brackets.
+/// How strongly a formula's operator binds. A formula that binds less strongly than its place requires gets
+/// brackets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binding {
-    /// A sum, or a text that begins with a sign.
+    /// The formula is a sum, or a text that begins with a sign.
     Sum,
-    /// A product, a quotient, a call.
+    /// The formula is a product, a quotient or a call.
     Product,
-    /// A single letter or number, for example in an exponent.
+    /// The formula is a single letter or number, for example in an exponent.
     Letter,
 }
 

@@ -1,4 +1,4 @@
-//! Friction: laws and curves.
+//! Friction laws and friction curves on the page of a robot.
 
 use gelenk_report::{Axis, Block, Figure, Marks, Plot, ReportError, Section, text};
 
@@ -9,10 +9,10 @@ use super::robot::Robot;
 use crate::model::{FrictionTerm, Joint, JointKind};
 use gelenk_formula::Formula;
 
-/// Largest number of joints in a plot.
+/// Largest number of joints in a friction plot.
 const CURVES: usize = 6;
 
-/// Section on friction; `None` without friction.
+/// Section of the page on friction; `None` without friction.
 pub(super) fn section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError> {
     let laws = friction_laws(robot);
     let following: Vec<Following<'_>> =
@@ -43,7 +43,7 @@ pub(super) fn section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError>
     Ok(Some(section))
 }
 
-/// Laws of the joints and shafts that follow coordinates and have friction.
+/// Blocks with the friction laws of joints and shafts that follow coordinates.
 fn following_blocks(robot: &Robot<'_>, following: &[Following<'_>]) -> Vec<Block> {
     let laws = following
         .iter()

@@ -28,16 +28,16 @@ pub(crate) use equations::EQUATIONS;
 pub use equations::{ClosedForm, Symbol, sums, sums_document};
 pub(crate) use tables::counts;
 
-/// Contents of a page.
+/// Contents of the page of a robot.
 #[derive(Debug, Clone, Copy)]
 pub struct Contents<'a> {
-    /// The robot.
+    /// The robot of the page.
     pub model: &'a Model,
-    /// All functions of the robot.
+    /// All generated functions of the robot.
     pub functions: &'a [Function],
-    /// Notes on the description.
+    /// Notes on the robot's description.
     pub notes: &'a Diagnostics,
-    /// Closed forms; if they are missing, the reason as text with markup.
+    /// Closed forms of the equations of motion; if they are missing, the reason as text with markup.
     pub closed_form: Result<&'a ClosedForm, &'a str>,
     /// Command line that makes the page.
     pub command: &'a str,
@@ -103,7 +103,7 @@ fn robot_section(robot: &Robot<'_>) -> Section {
         .block(Block::Tree(scene))
 }
 
-/// Sentence on the argument d with the motion of driven joints; `None` without driven joints.
+/// Sentence on the argument d with the prescribed motion of joints; `None` without such joints.
 fn driven(robot: &Robot<'_>) -> Option<String> {
     let joints = robot.model.driven_joints().enumerate();
     let names: Vec<String> =
@@ -123,7 +123,7 @@ fn parameters_section(robot: &Robot<'_>) -> Section {
         .block(text(&format!("Gravity is {} in the base frame.", tables::gravity(robot))))
 }
 
-/// Tables of the described numbers.
+/// Tables of the numbers in the description.
 pub(crate) fn tables(model: &Model) -> Vec<Table> {
     tables_of(&Robot::new(model, &[])).collect()
 }

@@ -18,7 +18,7 @@ pub(super) struct Robot<'a> {
     pub parameters: Vec<f64>,
     /// Names of the free parameters.
     pub parameter_names: Vec<String>,
-    /// Position, velocity and acceleration of each driven joint.
+    /// Position, velocity and acceleration of each driven joint (with a prescribed motion) on the page.
     driven: Vec<f64>,
 }
 
@@ -46,7 +46,7 @@ impl<'a> Robot<'a> {
         }
     }
 
-    /// Symbol of a coordinate in LaTeX and as text.
+    /// Symbol of a coordinate's position in LaTeX and as text.
     pub(super) fn symbol(&self, coordinate: usize) -> [String; 2] {
         let (latex, letter, index) = match self.named(coordinate) {
             SceneSymbol::Position(index) => ("y", "y", index),
@@ -56,12 +56,12 @@ impl<'a> Robot<'a> {
         [format!("{latex}_{{{}}}", index + 1), format!("{letter}{}", index + 1)]
     }
 
-    /// Symbols of the position and the velocity of a coordinate.
+    /// Symbols of the position and the velocity of a coordinate, for example y₂ and ẏ₂.
     pub(super) fn motion(&self, coordinate: usize) -> Motion {
         Motion { letter: 'y', position: self.model.first_position(coordinate) + 1, velocity: coordinate + 1 }
     }
 
-    /// `\sum ratio y_i + offset` in LaTeX and as text.
+    /// Position `\sum ratio y_i + offset` of a joint that follows coordinates, in LaTeX and as text.
     pub(super) fn followed(&self, terms: &[FollowedCoordinate], offset: f64) -> [String; 2] {
         let mut sums = [String::new(), String::new()];
         let mut add = |is_negative: bool, summand: [String; 2]| {
@@ -99,48 +99,48 @@ impl<'a> Robot<'a> {
         ]
     }
 
-    /// Names of the free parameters.
+    /// Names of the free parameters, for formulas in LaTeX.
     pub(super) fn names(&self) -> Vec<&str> {
         self.parameter_names.iter().map(String::as_str).collect()
     }
 
-    /// Number of coordinates.
+    /// Number of coordinates of the robot.
     pub fn n(&self) -> usize {
         self.model.coordinates.len()
     }
 
-    /// Joints of the coordinates, in order.
+    /// Joints of the coordinates, in the order of the coordinates.
     pub fn joints(&self) -> Vec<&'a Joint> {
         self.model.joints().collect()
     }
 
-    /// Inputs in order.
+    /// Inputs of the robot, in their order.
     pub fn inputs(&self) -> Vec<Actuator<'a>> {
         self.model.inputs().collect()
     }
 
-    /// All bodies with their links.
+    /// All bodies of the robot, each with its link.
     pub fn bodies(&self) -> Vec<(&'a Link, &'a Body)> {
         let links = self.model.links.iter();
         links.flat_map(|link| link.bodies.iter().map(move |body| (link, body))).collect()
     }
 
-    /// Value of a formula that depends only on parameters.
+    /// Value of a formula that depends only on free parameters.
     pub fn value(&self, formula: &Formula) -> f64 {
         formula.evaluate(&self.parameters, 0.0, 0.0)
     }
 
-    /// Values of three formulas.
+    /// Values of three formulas that depend only on free parameters.
     pub fn vector(&self, formulas: &[Formula; 3]) -> [f64; 3] {
         formulas.each_ref().map(|formula| self.value(formula))
     }
 
-    /// The function with this name; `None` if the robot lacks it.
+    /// The generated function with this name; `None` if the robot lacks it.
     pub fn function(&self, name: &str) -> Option<&'a Function> {
         self.functions.iter().find(|function| function.name == name)
     }
 
-    /// Whether friction depends on the load.
+    /// Whether the robot has load-dependent friction.
     pub fn has_load_friction(&self) -> bool {
         load_friction::is_there(self.model)
     }
@@ -160,7 +160,7 @@ impl<'a> Robot<'a> {
         self.results(self.function(name)?, inputs)
     }
 
-    /// Whether the motion of the driven joints is the last argument of a function.
+    /// Whether prescribed motions of joints are the last argument of a function.
     fn takes_driven(&self, function: &Function) -> bool {
         let last = function.program.inputs.last();
         !self.driven.is_empty() && last.is_some_and(|input| input.extent.dimension == Dimension::Driven)

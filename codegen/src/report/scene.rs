@@ -1,4 +1,4 @@
-//! Data of the robot for the 3-D view of the page.
+//! Data of the robot for the 3-D view on its page.
 
 use gelenk_report::{Scene, SceneBody, SceneFrame, SceneJoint, SceneKind, SceneMotion, SceneRod};
 
@@ -38,7 +38,7 @@ pub(super) fn scene(robot: &Robot<'_>) -> Scene {
     }
 }
 
-/// Forces between two frames. A cylinder that also has a force law is drawn once.
+/// Forces between two frames for the 3-D view. A cylinder that also has a force law is drawn once.
 fn rods(robot: &Robot<'_>) -> Vec<SceneRod> {
     let model = robot.model;
     let pulls = model.force_inputs.iter().filter_map(|input| match &input.effect {

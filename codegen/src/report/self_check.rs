@@ -1,5 +1,5 @@
-//! Self-check: comparison of every function with an independent evaluation of the model, and eigenvalues of
-//! the mass matrix.
+//! Self-check on the page: comparison of every function with an independent evaluation of the model, and
+//! eigenvalues of the mass matrix.
 
 use gelenk_report::{Claim, Criterion};
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -15,7 +15,7 @@ use crate::verify;
 /// Number of states at which the mass matrix is examined.
 pub(super) const STATES: u64 = 25;
 
-/// Rows of the self-check: the mass matrix, each function, and all functions of frames together.
+/// Rows of the self-check table: the mass matrix, each function, and all functions of frames together.
 pub(super) fn claims(robot: &Robot<'_>) -> Vec<Claim> {
     let agrees = |id: &str, what: &str, functions: &[&Function]| {
         let excesses = functions.iter().map(|function| verify::worst(robot.model, function).excess);
@@ -65,8 +65,8 @@ fn definiteness(robot: &Robot<'_>) -> Option<Claim> {
 /// Magnitude below which eigenvalues of the scaled mass matrix count as rounding errors.
 const ROUNDING: f64 = 1e-12;
 
-/// The smallest eigenvalue of `M_ij / √(M_ii M_jj)` at a seeded state. The scaling removes the units, because
-/// masses and inertias may differ by any factor.
+/// The smallest eigenvalue of `M_ij / √(M_ii M_jj)` with the mass matrix M at a pseudo-random state. The
+/// scaling removes the units, because masses and inertias may differ by any factor.
 #[expect(clippy::disallowed_methods, reason = "the matrix is finite, and of a robot with joints")]
 fn least_eigenvalue(robot: &Robot<'_>, function: &Function, seed: u64) -> Option<f64> {
     let arguments = self_test::arguments(robot.model, function, seed);

@@ -1,11 +1,11 @@
-//! Sparsity of the matrices of a robot.
+//! Sparsity patterns of a robot's matrices on its page.
 
 use gelenk_report::Pattern;
 
 use super::robot::Robot;
 use crate::program::{Program, Shape, nonzero_entries};
 
-/// For each matrix: function, index among its results, identifier, title.
+/// Matrices whose patterns are shown: function, index among its results, identifier, title.
 const MATRICES: &[(&str, usize, &str, &str)] = &[
     ("mass_matrix", 0, "pattern-m", "$M$"),
     ("input_matrix", 0, "pattern-b", "$B$"),

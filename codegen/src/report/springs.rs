@@ -1,4 +1,4 @@
-//! Springs and dampers of joints.
+//! Springs and dampers of joints on the page of a robot.
 
 use gelenk_report::{Block, Section, text};
 
@@ -8,7 +8,7 @@ use super::formula;
 use super::robot::Robot;
 use crate::model::Joint;
 
-/// Section on springs; `None` without springs.
+/// Section of the page on springs; `None` without springs.
 pub(super) fn section(robot: &Robot<'_>) -> Option<Section> {
     let laws = laws(robot);
     let following: Vec<Following<'_>> =
@@ -39,7 +39,7 @@ fn laws(robot: &Robot<'_>) -> Vec<String> {
     sprung.map(law).collect()
 }
 
-/// Laws of the joints and shafts that follow coordinates and have springs.
+/// Blocks with the spring laws of joints and shafts that follow coordinates.
 fn following_blocks(robot: &Robot<'_>, following: &[Following<'_>]) -> Vec<Block> {
     let law = |one: &Following<'_>| {
         let forces = formula::sum(one.springs, &robot.parameter_names, one.motion());

@@ -12,7 +12,7 @@ use crate::numeric::{atan2, length};
 use crate::program::cost::Cost;
 use gelenk_formula::Formula;
 
-/// Table of independent and driven joints, with limits.
+/// Table of independent and driven joints (with a prescribed motion), with limits.
 pub(super) fn coordinates(robot: &Robot<'_>) -> Table {
     let mut table = Table::new(
         "coordinates",
@@ -76,7 +76,7 @@ fn kind(kind: JointKind) -> String {
     }
 }
 
-/// A number, or a formula of free parameters.
+/// Table cell with a number, or with a formula of free parameters.
 fn cell(robot: &Robot<'_>, value: &Formula) -> Cell {
     match value.as_number() {
         Some(number) => Cell::Exact(number),
@@ -195,7 +195,8 @@ pub(super) fn forces_at_frames(robot: &Robot<'_>) -> Option<Table> {
     Some(table.rows(rows))
 }
 
-/// Table of the limits of followers, and of motors that move several joints; `None` without limits.
+/// Table of the limits of joints that follow coordinates, and of motors that move several joints; `None`
+/// without limits.
 pub(super) fn dependent(robot: &Robot<'_>) -> Option<Table> {
     let all = robot.model.dependent(&robot.parameters).into_iter();
     let limited = all.filter(|one| one.velocity.is_finite() || one.position.iter().any(|x| x.is_finite()));

@@ -9,7 +9,7 @@ use crate::graph::Scalar;
 pub struct Attitude<S>(pub [Vector3<S>; 3]);
 
 impl<S> Attitude<S> {
-    /// Applies `f` to each entry.
+    /// Applies `f` to each entry of the rotation matrix.
     pub fn map<T>(self, mut f: impl FnMut(S) -> T) -> Attitude<T> {
         Attitude(self.0.map(|column| column.map(&mut f)))
     }
@@ -54,7 +54,7 @@ impl<'g> Attitude<Scalar<'g>> {
         Matrix3([0, 1, 2].map(|i| self.to_parent(row(i)).0))
     }
 
-    /// `R Σ Rᵀ`: transforms a symmetric matrix from the rotated frame to the parent's frame.
+    /// `R Σ Rᵀ`: transforms a symmetric matrix Σ from the rotated frame to the parent's frame.
     pub fn symmetric_to_parent(&self, s: Symmetric3<Scalar<'g>>) -> Symmetric3<Scalar<'g>> {
         let columns = s.columns().map(|column| self.to_parent(column));
         let row = |i: usize| Vector3([columns[0][i], columns[1][i], columns[2][i]]);

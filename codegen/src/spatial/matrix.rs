@@ -6,7 +6,7 @@ use super::twist::Twist;
 use super::vector::{Symmetric3, Vector3};
 use crate::graph::Scalar;
 
-/// A 3 × 3 matrix, row-major.
+/// A 3 × 3 matrix of expressions, as a list of rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Matrix3<'g>(pub [[Scalar<'g>; 3]; 3]);
 
@@ -16,7 +16,7 @@ impl<'g> Matrix3<'g> {
         Self([0, 1, 2].map(|row| [0, 1, 2].map(|column| entry(row, column))))
     }
 
-    /// The zero matrix of a scalar's graph.
+    /// The zero matrix on the graph of the scalar `any`.
     pub fn zero(any: Scalar<'g>) -> Self {
         Self([[any.constant(0.0); 3]; 3])
     }
@@ -33,38 +33,38 @@ impl<'g> Matrix3<'g> {
         Self([[zero, -v[2], v[1]], [v[2], zero, -v[0]], [-v[1], v[0], zero]])
     }
 
-    /// `ω× Σ`: the cross product of ω with each column.
+    /// `ω× Σ`: the cross product of ω with each column of the symmetric matrix Σ.
     pub fn cross_of(omega: Vector3<Scalar<'g>>, second: Symmetric3<Scalar<'g>>) -> Self {
         let columns = second.columns().map(|column| omega.cross(column));
         Self::from_fn(|row, column| columns[column][row])
     }
 
-    /// Column `k`.
+    /// Column `k` of the matrix.
     pub fn column(&self, k: usize) -> Vector3<Scalar<'g>> {
         Vector3([self[0][k], self[1][k], self[2][k]])
     }
 
-    /// The transpose `Aᵀ`.
+    /// The transpose `Aᵀ` of this matrix A.
     pub fn transposed(&self) -> Self {
         Self([0, 1, 2].map(|k| self.column(k).0))
     }
 
-    /// The product `A v`.
+    /// The product `A v` of this matrix A and a vector.
     pub fn times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         Vector3(self.0.map(|row| Vector3(row).dot(v)))
     }
 
-    /// The product `Aᵀ v`.
+    /// The product `Aᵀ v` of the transpose of this matrix A and a vector.
     pub fn transposed_times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         Vector3([0, 1, 2].map(|k| self.column(k).dot(v)))
     }
 
-    /// The product `A B`.
+    /// The product `A B` of this matrix A and the other matrix B.
     pub fn product(&self, other: &Self) -> Self {
         Self(self.0.map(|row| other.transposed_times(Vector3(row)).0))
     }
 
-    /// The product `(tr A − A) v`.
+    /// The product `(tr A − A) v` of this matrix A and a vector v.
     pub fn complement_times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let a = self;
         Vector3([
@@ -74,9 +74,10 @@ impl<'g> Matrix3<'g> {
         ])
     }
 
-    /// Rotation about z, `R_z(φ) A R_z(φ)ᵀ`. The argument is the sine and cosine of φ. The product needs only
-    /// 12 multiplications and 11 additions, because the rotation changes neither the trace nor the
-    /// antisymmetric part of the block of x and y.
+    /// This matrix A after a rotation about z, `R_z(φ) A R_z(φ)ᵀ`. The argument is the sine and cosine of φ.
+    ///
+    /// The product needs only 12 multiplications and 11 additions, because the rotation changes neither the
+    /// trace nor the antisymmetric part of the block of x and y.
     pub fn turned(&self, (s, c): (Scalar<'g>, Scalar<'g>)) -> Self {
         let a = self;
         let across = s * (a[0][0] - a[1][1]) + c * (a[0][1] + a[1][0]);
@@ -90,7 +91,7 @@ impl<'g> Matrix3<'g> {
         ])
     }
 
-    /// Transforms a matrix to the parent's axes, `R A Rᵀ` with the constant rotation R.
+    /// Transforms this matrix A to the parent's axes, `R A Rᵀ` with the constant rotation R.
     pub fn twisted(&self, twist: &Twist) -> Self {
         let columns = [0, 1, 2].map(|k| twist.to_parent(self.column(k)));
         let row = |i: usize| Vector3([columns[0][i], columns[1][i], columns[2][i]]);

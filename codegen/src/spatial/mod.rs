@@ -1,5 +1,5 @@
-//! Spatial vectors, motions, forces and moments of mass over scalars of a graph. The types that a mechanism
-//! uses can also have plain numbers as entries.
+//! Spatial vectors, motions, forces and moments of mass with expressions of a graph as entries. The types
+//! that a mechanism uses can also have plain numbers as entries.
 //!
 //! A motion has an angular and a linear part. A force has a moment and a force. The angular part or the
 //! moment is always first.

@@ -1,4 +1,4 @@
-//! Moments of mass: mass, first moment and second moment.
+//! Moments of mass of a body: mass, first moment and second moment.
 
 use nalgebra::Matrix3;
 
@@ -8,42 +8,42 @@ use super::twist::Twist;
 use super::vector::{Symmetric3, Vector3};
 use crate::graph::{Graph, Scalar};
 
-/// Moments of the mass distribution of a body about the origin of its frame: m, ∫ r dm, ∫ r rᵀ dm.
+/// Moments of the mass distribution of a body about the origin of its frame: m, h = ∫ r dm and Σ = ∫ r rᵀ dm.
 ///
 /// The second moment Σ replaces the inertia tensor I = tr(Σ) 1 − Σ. A displacement by p changes Σ to
 /// `Σ + h pᵀ + p hᵀ + m p pᵀ`. If all mass is on a joint's axis, only the moments m, h_z and Σ_zz are
 /// non-zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MassMoments<S> {
-    /// Mass m (kg).
+    /// Mass of the body (kg).
     pub mass: S,
-    /// First moment h = m c [kg m].
+    /// First moment h = m c (kg m) with the mass m and the centre of mass c.
     pub first: Vector3<S>,
-    /// Second moment Σ [kg m²].
+    /// Second moment Σ = ∫ r rᵀ dm (kg m²) about the origin.
     pub second: Symmetric3<S>,
 }
 
 impl<S> MassMoments<S> {
-    /// Applies `f` to each moment.
+    /// Applies `f` to each entry of the moments.
     pub fn map<T>(self, mut f: impl FnMut(S) -> T) -> MassMoments<T> {
         MassMoments { mass: f(self.mass), first: self.first.map(&mut f), second: self.second.map(&mut f) }
     }
 
-    /// The ten entries: mass, first moment, second moment.
+    /// The ten entries of the moments: mass, first moment, second moment.
     pub fn entries(self) -> impl Iterator<Item = S> {
         std::iter::once(self.mass).chain(self.first.0).chain(self.second.entries())
     }
 }
 
 impl<'g> MassMoments<Scalar<'g>> {
-    /// Moments of zero mass.
+    /// Moments of a body without mass.
     pub fn zero(graph: &'g Graph) -> Self {
         let zero = graph.constant(0.0);
         Self { mass: zero, first: Vector3::zero(zero), second: Symmetric3::zero(zero) }
     }
 
-    /// Moments of a body with this centre of mass, and with the entries xx, xy, xz, yy, yz, zz of the inertia
-    /// about the centre of mass.
+    /// Moments of a body with this mass and centre of mass. The inertia about the centre of mass has the
+    /// entries xx, xy, xz, yy, yz, zz.
     pub fn of_inertia(mass: Scalar<'g>, center: Vector3<Scalar<'g>>, inertia: [Scalar<'g>; 6]) -> Self {
         let central =
             Self { mass, first: Vector3::zero(mass), second: second_moments(Symmetric3::new(inertia)) };
@@ -82,7 +82,7 @@ impl<'g> MassMoments<Scalar<'g>> {
         Self { mass: self.mass, first: self.first.turned(turn), second: self.second.turned(turn) }
     }
 
-    /// Moments in the parent's frame. The current frame is the joint's frame before its motion.
+    /// Moments in the frame of the joint's parent. The current frame is the joint's frame before its motion.
     pub fn to_parent(self, twist: &Twist, translation: Vector3<Scalar<'g>>) -> Self {
         let rotation = twist.matrix();
         self.moved(&Pose { rotation, translation })
@@ -94,7 +94,8 @@ impl<'g> MassMoments<Scalar<'g>> {
         self.shifted(Vector3([zero, zero, length]))
     }
 
-    /// Force and moment `I s` that give the masses the acceleration `s`, about the point of reference.
+    /// Force and moment `I s` that give the masses the acceleration `s`, about the point of reference. I is
+    /// the spatial inertia.
     pub fn times(&self, Motion { angular, linear }: Motion<'g>) -> Force<'g> {
         let s = self.second;
         let tensor = Vector3([
@@ -131,7 +132,7 @@ impl std::ops::Sub for MassMoments<Scalar<'_>> {
     }
 }
 
-/// Second moments `Σ = ½ tr(I) 1 − I` of an inertia tensor I.
+/// Second moments `Σ = ½ tr(I) 1 − I` of a body with the inertia tensor I.
 fn second_moments(inertia: Symmetric3<Scalar<'_>>) -> Symmetric3<Scalar<'_>> {
     let Symmetric3 { xx, xy, xz, yy, yz, zz } = inertia;
     Symmetric3 {

@@ -5,10 +5,10 @@ use std::ops::Add;
 use super::vector::Vector3;
 use crate::graph::Scalar;
 
-/// A motion: velocity or acceleration of a body and of the point of reference.
+/// A spatial motion: velocity or acceleration of a body and of the point of reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion<'g> {
-    /// Angular part.
+    /// Angular part: angular velocity or angular acceleration.
     pub angular: Vector3<Scalar<'g>>,
     /// Linear part: velocity or acceleration of the point of reference.
     pub linear: Vector3<Scalar<'g>>,
@@ -19,18 +19,18 @@ pub struct Motion<'g> {
 pub struct Force<'g> {
     /// Moment about the point of reference.
     pub moment: Vector3<Scalar<'g>>,
-    /// Force.
+    /// Force on the body.
     pub force: Vector3<Scalar<'g>>,
 }
 
 impl<'g> Motion<'g> {
-    /// The product `factor · self`.
+    /// The product `factor · self` of a number and this motion.
     pub fn scaled(self, factor: Scalar<'g>) -> Self {
         let (angular, linear) = (self.angular.scaled(factor), self.linear.scaled(factor));
         Self { angular, linear }
     }
 
-    /// Applies `f` to each entry.
+    /// Applies `f` to each of the six entries.
     pub fn map(self, f: impl Fn(Scalar<'g>) -> Scalar<'g>) -> Self {
         let (angular, linear) = (self.angular.map(&f), self.linear.map(&f));
         Self { angular, linear }
@@ -57,7 +57,7 @@ impl<'g> Motion<'g> {
         }
     }
 
-    /// The six entries, angular part first.
+    /// The six entries of the motion, angular part first.
     pub fn entries(self) -> [Scalar<'g>; 6] {
         let ([a, b, c], [d, e, f]) = (self.angular.0, self.linear.0);
         [a, b, c, d, e, f]
@@ -71,19 +71,19 @@ impl<'g> Force<'g> {
         Self { force: part(0), moment: part(3) }
     }
 
-    /// The zero force of a scalar's graph.
+    /// The zero force on the graph of the scalar `any`.
     pub fn zero(any: Scalar<'g>) -> Self {
         Self { moment: Vector3::zero(any), force: Vector3::zero(any) }
     }
 
-    /// Applies `f` to each entry.
+    /// Applies `f` to each of the six entries.
     pub fn map(self, f: impl Fn(Scalar<'g>) -> Scalar<'g>) -> Self {
         // The force is mapped first, because the order of the graph's nodes determines the order of operands.
         let force = self.force.map(&f);
         Self { moment: self.moment.map(&f), force }
     }
 
-    /// The six entries, moment first.
+    /// The six entries of the force, moment first.
     pub fn entries(self) -> [Scalar<'g>; 6] {
         let ([a, b, c], [d, e, f]) = (self.moment.0, self.force.0);
         [a, b, c, d, e, f]

@@ -11,21 +11,21 @@ use crate::numeric;
 pub struct Angle {
     /// Number of quarter turns, 0 to 3.
     pub quarters: u8,
-    /// Remainder (rad).
+    /// Remainder of the angle (rad).
     pub remainder: f64,
 }
 
 /// A constant rotation `R_z(γ) R_x(α)`, stored as sines and cosines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Twist {
-    /// Sine and cosine of γ.
+    /// Sine and cosine of the angle γ about z.
     pub gamma: (f64, f64),
-    /// Sine and cosine of α.
+    /// Sine and cosine of the angle α about x.
     pub alpha: (f64, f64),
 }
 
 impl Twist {
-    /// No rotation.
+    /// The identity rotation, with both angles 0.
     pub const NONE: Self = Self { gamma: (0.0, 1.0), alpha: (0.0, 1.0) };
 
     /// Whether the rotation is the identity.
@@ -33,7 +33,7 @@ impl Twist {
         *self == Self::NONE
     }
 
-    /// The rotation matrix.
+    /// The rotation matrix `R_z(γ) R_x(α)`.
     pub fn matrix(&self) -> Matrix3<f64> {
         let ((sg, cg), (sa, ca)) = (self.gamma, self.alpha);
         Matrix3::new(cg, -sg * ca, sg * sa, sg, cg * ca, -cg * sa, 0.0, sa, ca)
@@ -55,7 +55,7 @@ impl Twist {
 }
 
 impl Angle {
-    /// Angle from radians. Remainders below 1e-13 are treated as rounding errors and become 0.
+    /// Creates the angle from radians. Remainders below 1e-13 are treated as rounding errors and become 0.
     pub fn new(radians: f64) -> Self {
         let quarters = (radians / std::f64::consts::FRAC_PI_2).round();
         let remainder = radians - quarters * std::f64::consts::FRAC_PI_2;

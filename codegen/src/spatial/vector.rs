@@ -10,14 +10,14 @@ use crate::graph::Scalar;
 pub struct Vector3<S>(pub [S; 3]);
 
 impl<S> Vector3<S> {
-    /// Applies `f` to each component.
+    /// Applies `f` to each component of the vector.
     pub fn map<T>(self, f: impl FnMut(S) -> T) -> Vector3<T> {
         Vector3(self.0.map(f))
     }
 }
 
 impl<'g> Vector3<Scalar<'g>> {
-    /// The zero vector of a scalar's graph.
+    /// The zero vector on the graph of the scalar `any`.
     pub fn zero(any: Scalar<'g>) -> Self {
         Self([any.constant(0.0); 3])
     }
@@ -33,7 +33,7 @@ impl<'g> Vector3<Scalar<'g>> {
         Self([component(1, 2), component(2, 0), component(0, 1)])
     }
 
-    /// The multiple `factor · self`.
+    /// The product `factor · self` of a number and this vector.
     pub fn scaled(self, factor: Scalar<'g>) -> Self {
         Self(self.0.map(|x| x * factor))
     }
@@ -43,7 +43,7 @@ impl<'g> Vector3<Scalar<'g>> {
         self.0.iter().all(|x| x.is_zero())
     }
 
-    /// The values of the components; `None` if a component is not a constant.
+    /// The values of constant components; `None` if a component is not a constant.
     pub fn values(self) -> Option<[f64; 3]> {
         Some([self[0].value()?, self[1].value()?, self[2].value()?])
     }
@@ -53,12 +53,12 @@ impl<'g> Vector3<Scalar<'g>> {
         Self([c * self[0] - s * self[1], s * self[0] + c * self[1], self[2]])
     }
 
-    /// Inverse rotation about z: `R_z(φ)ᵀ · self`.
+    /// Inverse rotation about z: `R_z(φ)ᵀ · self`. The arguments are sine and cosine of φ.
     pub fn turned_back(self, (s, c): (Scalar<'g>, Scalar<'g>)) -> Self {
         self.turned((-s, c))
     }
 
-    /// Suggests the names `stem_x`, `stem_y`, `stem_z` in generated code.
+    /// Suggests the names `stem_x`, `stem_y`, `stem_z` for the components in generated code.
     pub fn named(self, stem: &str) -> Self {
         for (component, axis) in self.0.iter().zip(["x", "y", "z"]) {
             component.named(|| format!("{stem}_{axis}"));
@@ -103,53 +103,53 @@ impl Neg for Vector3<Scalar<'_>> {
     }
 }
 
-/// A symmetric 3 × 3 matrix.
+/// A symmetric 3 × 3 matrix, stored by its upper triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Symmetric3<S> {
-    /// Entry (x, x).
+    /// Entry (x, x) of the symmetric matrix.
     pub xx: S,
-    /// Entry (x, y).
+    /// Entry (x, y) of the symmetric matrix.
     pub xy: S,
-    /// Entry (x, z).
+    /// Entry (x, z) of the symmetric matrix.
     pub xz: S,
-    /// Entry (y, y).
+    /// Entry (y, y) of the symmetric matrix.
     pub yy: S,
-    /// Entry (y, z).
+    /// Entry (y, z) of the symmetric matrix.
     pub yz: S,
-    /// Entry (z, z).
+    /// Entry (z, z) of the symmetric matrix.
     pub zz: S,
 }
 
 impl<S> Symmetric3<S> {
-    /// The matrix with the entries xx, xy, xz, yy, yz, zz.
+    /// Creates the symmetric matrix from the entries xx, xy, xz, yy, yz, zz.
     pub fn new([xx, xy, xz, yy, yz, zz]: [S; 6]) -> Self {
         Self { xx, xy, xz, yy, yz, zz }
     }
 
-    /// The entries xx, xy, xz, yy, yz, zz.
+    /// The six entries xx, xy, xz, yy, yz, zz of the symmetric matrix.
     pub fn entries(self) -> [S; 6] {
         [self.xx, self.xy, self.xz, self.yy, self.yz, self.zz]
     }
 
-    /// Applies `f` to each entry.
+    /// Applies `f` to each of the six entries.
     pub fn map<T>(self, f: impl FnMut(S) -> T) -> Symmetric3<T> {
         Symmetric3::new(self.entries().map(f))
     }
 }
 
 impl<'g> Symmetric3<Scalar<'g>> {
-    /// The columns, which are also the rows.
+    /// The columns of the symmetric matrix, which are also its rows.
     pub fn columns(self) -> [Vector3<Scalar<'g>>; 3] {
         let s = self;
         [[s.xx, s.xy, s.xz], [s.xy, s.yy, s.yz], [s.xz, s.yz, s.zz]].map(Vector3)
     }
 
-    /// The zero matrix of a scalar's graph.
+    /// The zero matrix on the graph of the scalar `any`.
     pub fn zero(any: Scalar<'g>) -> Self {
         Self::new([any.constant(0.0); 6])
     }
 
-    /// The symmetric product `a bᵀ + b aᵀ`.
+    /// The symmetric matrix `a bᵀ + b aᵀ`.
     pub fn symmetric_product(a: Vector3<Scalar<'g>>, b: Vector3<Scalar<'g>>) -> Self {
         let entry = |i: usize, j: usize| {
             if i == j { (a[i] * b[i]) * 2.0 } else { a[i] * b[j] + a[j] * b[i] }
@@ -157,7 +157,7 @@ impl<'g> Symmetric3<Scalar<'g>> {
         Self::new([entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)])
     }
 
-    /// The product `a aᵀ`.
+    /// The symmetric matrix `a aᵀ`.
     pub fn square(a: Vector3<Scalar<'g>>) -> Self {
         Self::new([a[0] * a[0], a[0] * a[1], a[0] * a[2], a[1] * a[1], a[1] * a[2], a[2] * a[2]])
     }
@@ -178,7 +178,7 @@ impl<'g> Symmetric3<Scalar<'g>> {
         }
     }
 
-    /// The product `self · v`.
+    /// The product `self · v` of this matrix and a vector.
     pub fn times(self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         Vector3([
             self.xx * v[0] + self.xy * v[1] + self.xz * v[2],

@@ -1,4 +1,4 @@
-//! The equations of motion at one state.
+//! The equations of motion at one state, evaluated independently of the generator.
 
 use super::number::{Dual, Number};
 use super::robot::{LinkMotion, Positions, Robot, Wrench, add_wrenches};
@@ -8,37 +8,37 @@ use crate::model::{
 };
 
 /// A robot with the arguments of a function. In positions, velocities and accelerations, driven coordinates
-/// are last.
+/// (with a prescribed motion) are last.
 #[derive(Clone)]
 pub struct Case<'m, T> {
-    /// The robot.
+    /// The robot with the values of its parameters.
     pub robot: Robot<'m, T>,
-    /// Positions.
+    /// Positions y of the coordinates and of joints with quaternions.
     pub at: Positions<T>,
-    /// Velocities ẏ.
+    /// Velocities ẏ of all coordinates.
     pub v: Vec<T>,
-    /// Accelerations ÿ.
+    /// Accelerations ÿ of all coordinates.
     pub a: Vec<T>,
-    /// Inputs u.
+    /// Inputs u of the robot.
     pub u: Vec<T>,
-    /// Wrenches, each a force and a moment.
+    /// Wrenches that act at frames, each a force and a moment.
     pub w: Vec<T>,
     /// Multipliers λ of the Hessian of the inverse dynamics.
     pub lambda: Vec<T>,
 }
 
-/// Variable of differentiation.
+/// Variable with respect to which a function is differentiated.
 #[derive(Clone, Copy)]
 pub enum By {
     /// Positions, differentiated along small motions δ in y ⊕ δ.
     Positions,
-    /// Velocities.
+    /// Velocities of all coordinates.
     Velocities,
-    /// Accelerations.
+    /// Accelerations of all coordinates.
     Accelerations,
 }
 
-/// A matrix, rows first.
+/// A matrix as a list of rows.
 pub type Rows<T> = Vec<Vec<T>>;
 
 impl<'m, T: Number> Case<'m, T> {
@@ -46,7 +46,7 @@ impl<'m, T: Number> Case<'m, T> {
         self.robot.model
     }
 
-    /// Number N of coordinates without driven coordinates.
+    /// Number of coordinates without the coordinates whose motion is prescribed.
     pub fn n(&self) -> usize {
         self.model().coordinates.len()
     }
@@ -56,7 +56,7 @@ impl<'m, T: Number> Case<'m, T> {
         forces
     }
 
-    /// Accelerations of the driven joints. All other accelerations are zero.
+    /// Prescribed accelerations of the driven joints, and zero for all other coordinates.
     pub fn unaccelerated(&self) -> Vec<T> {
         let n = self.n();
         self.a.iter().enumerate().map(|(k, &a)| if k < n { T::zero() } else { a }).collect()
@@ -70,8 +70,8 @@ impl<'m, T: Number> Case<'m, T> {
         self.robot.motions(&self.at, rates, gravity)
     }
 
-    /// `M a + k(v) − q_gravity` for this gravity, by recursive Newton–Euler equations. Rows of driven
-    /// coordinates are included.
+    /// `M a + k(v) − q_gravity` for the given gravity, by recursive Newton–Euler equations: inertial and
+    /// Coriolis forces minus gravity. Rows of coordinates with prescribed motion are included.
     pub fn newton_euler(&self, rates: [&[T]; 2], gravity: Vector<T>) -> Vec<T> {
         let links = self.links_in(rates, gravity);
         let (wrenches, of_rotors) = self.robot.inertial_wrenches(&links, rates);
@@ -169,7 +169,8 @@ impl<'m, T: Number> Case<'m, T> {
         }
     }
 
-    /// Generalized forces of a wrench at a frame. Rows of driven coordinates are included.
+    /// Generalized forces of a wrench at a frame, by coordinate. Coordinates with prescribed motion are
+    /// included.
     fn wrench_at(&self, at: &Attachment, axes: WrenchAxes, w: &[T], links: &[LinkMotion<T>]) -> Vec<T> {
         let (arm, rotation) = self.robot.attached(at, links);
         let in_base = |part: Vector<T>| match axes {
@@ -194,12 +195,12 @@ impl<'m, T: Number> Case<'m, T> {
         self.own(self.all_wrench_forces())
     }
 
-    /// Input matrix B. Rows are coordinates.
+    /// Input matrix B as a list of rows. Each row belongs to a coordinate.
     pub fn input_matrix(&self) -> Rows<T> {
         transposed(&self.input_columns(), self.n())
     }
 
-    /// Columns of B.
+    /// Columns of the input matrix B. Each column belongs to an input.
     pub fn input_columns(&self) -> Rows<T> {
         let links = self.links();
         let column = |input: Actuator<'_>| match input {
@@ -269,7 +270,7 @@ impl<'m, T: Number> Case<'m, T> {
         joints.chain(shafts)
     }
 
-    /// Load-dependent friction s₁ by coordinate; 0 for driven coordinates.
+    /// Load-dependent friction per unit of load by coordinate; 0 for coordinates with prescribed motion.
     pub fn load_friction(&self) -> Vec<T> {
         let joints = self.model().joints().enumerate();
         let shares =
@@ -277,8 +278,8 @@ impl<'m, T: Number> Case<'m, T> {
         shares.collect()
     }
 
-    /// Forces `M ÿ + k − q` of the drives at the accelerations `a`. Rows of driven coordinates and
-    /// load-dependent friction are included.
+    /// Forces `M ÿ + k − q` of the drives at the accelerations `a`, with Coriolis forces k and applied forces
+    /// q. Coordinates with prescribed motion and load-dependent friction are included.
     pub fn all_inverse_dynamics(&self, a: &[T]) -> Vec<T> {
         let load = self.load(a);
         let with_friction = plus(&load, &self.all_friction_torques());
@@ -289,7 +290,7 @@ impl<'m, T: Number> Case<'m, T> {
         forces
     }
 
-    /// Load τ_l: the forces of the drives without friction.
+    /// Loads by coordinate: the forces of the drives without friction.
     fn load(&self, a: &[T]) -> Vec<T> {
         minus(&self.newton_euler([&self.v, a], self.robot.gravity()), &self.all_spring_forces())
     }
@@ -298,7 +299,7 @@ impl<'m, T: Number> Case<'m, T> {
         self.own(self.all_inverse_dynamics(&self.a))
     }
 
-    /// Generalized forces `B(y) u` of the inputs.
+    /// Generalized forces `B(y) u` of the inputs u.
     pub fn input_forces(&self) -> Vec<T> {
         multiplied(&self.input_matrix(), &self.u)
     }
@@ -307,8 +308,9 @@ impl<'m, T: Number> Case<'m, T> {
         minus(&self.inverse_dynamics(), &self.wrench_forces())
     }
 
-    /// `M ÿ + k − q − B(y) u − Σ Jᵀ w`, for derivatives with respect to y, ẏ and ÿ. If B does not depend on
-    /// y, `B u` is omitted, because its derivatives are zero.
+    /// Residual `M ÿ + k − q − B(y) u − Σ Jᵀ w` of the equations of motion, from which derivatives with
+    /// respect to y, ẏ and ÿ are computed. If the input matrix B does not depend on y, `B u` is omitted,
+    /// because its derivatives are zero.
     pub fn residual(&self) -> Vec<T> {
         let forces = match self.model().inputs_depend_on_position() {
             true => minus(&self.inverse_dynamics(), &self.input_forces()),
@@ -317,7 +319,7 @@ impl<'m, T: Number> Case<'m, T> {
         if self.w.is_empty() { forces } else { minus(&forces, &self.wrench_forces()) }
     }
 
-    /// Accelerations ÿ of the coordinates. `inverse` is the inverse of M.
+    /// Accelerations ÿ of the coordinates. `inverse` is the inverse of the mass matrix.
     pub fn forward_dynamics(&self, inverse: &Rows<T>) -> Vec<T> {
         let exerted = minus(&self.input_forces(), &self.friction_torques());
         let one = T::constant(1.0);
@@ -334,7 +336,7 @@ impl<'m, T: Number> Case<'m, T> {
         other
     }
 
-    /// The case with a dual number for the derivative along coordinate j of the variable `by`.
+    /// The same state with dual numbers, for the derivative along coordinate j of the variable `by`.
     pub fn along(&self, by: By, j: usize) -> Case<'m, Dual<T>> {
         let lift = |x: &[T]| x.iter().map(|&x| Dual::fixed(x)).collect::<Vec<_>>();
         let robot = self.robot.lifted();
@@ -357,7 +359,7 @@ impl<'m, T: Number> Case<'m, T> {
         case
     }
 
-    /// Derivative of a function. Rows are the entries of its result, columns are coordinates.
+    /// Derivative of a function of the state. Rows are the entries of its result, columns are coordinates.
     pub fn derivative(&self, by: By, function: impl Fn(&Case<'m, Dual<T>>) -> Vec<Dual<T>>) -> Rows<T> {
         let column = |j| function(&self.along(by, j)).into_iter().map(|x| x.eps).collect();
         let columns: Rows<T> = (0..self.n()).map(column).collect();
@@ -398,7 +400,7 @@ pub fn multiplied<T: Number>(rows: &[Vec<T>], x: &[T]) -> Vec<T> {
     rows.iter().map(|row| product(row, x)).collect()
 }
 
-/// The product of two matrices.
+/// The product `A B` of two matrices.
 pub fn matrix_product<T: Number>(a: &[Vec<T>], b: &[Vec<T>]) -> Rows<T> {
     let columns = transposed(b, b.first().map_or(0, Vec::len));
     a.iter().map(|row| columns.iter().map(|column| product(row, column)).collect()).collect()

@@ -11,11 +11,14 @@ use crate::function_names::{self as names, FrameKind};
 use crate::functions::function::{Constant, Function};
 use crate::model::Attachment;
 
-/// Expected results of a function, flat and row-major.
+/// Expected results of a function, each flat and row-major.
 pub struct Expected<T> {
     pub results: Vec<Vec<T>>,
-    /// Factor by which divisions amplify rounding errors: the growth that `inverse` returns for functions that divide
-    /// by M, infinity if the result is undefined because the mass is zero, and 1 for all other functions.
+    /// Factor by which divisions amplify rounding errors:
+    ///
+    /// - for functions that divide by the mass matrix, the growth that `inverse` returns
+    /// - infinity if the result is undefined because the mass is zero
+    /// - 1 for all other functions
     pub condition: f64,
 }
 
@@ -94,7 +97,7 @@ fn inverse_derivatives<T: Number>(case: &Case<'_, T>) -> Vec<Vec<T>> {
     vec![case.inverse_dynamics(), by(By::Positions), by(By::Velocities)]
 }
 
-/// Blocks of the Hessian of `λᵀ (M ÿ + k − q)`.
+/// Blocks of the Hessian of the inverse dynamics `λᵀ (M ÿ + k − q)` with multipliers λ.
 fn hessian<T: Number>(case: &Case<'_, T>) -> Vec<Vec<T>> {
     let block = |first, second| {
         let gradient = |case: &Case<'_, Dual<T>>| {
@@ -118,7 +121,7 @@ fn hessian<T: Number>(case: &Case<'_, T>) -> Vec<Vec<T>> {
     ]
 }
 
-/// Expected results of the functions that divide by M; `None` if the name is unknown.
+/// Expected results of the functions that divide by the mass matrix; `None` if the name is unknown.
 fn divided<T: Number>(case: &Case<'_, T>, name: &str) -> Option<Expected<T>> {
     let mut case = case.clone();
     if matches!(name, names::FORWARD_DYNAMICS | names::FORWARD_DYNAMICS_DERIVATIVES | names::LINEARIZE) {
@@ -139,8 +142,8 @@ fn divided<T: Number>(case: &Case<'_, T>, name: &str) -> Option<Expected<T>> {
     Some(Expected { results, condition })
 }
 
-/// `∂ÿ = −(∂r/∂ÿ)⁻¹ ∂r` with respect to positions and velocities. r is the residual of the equations of
-/// motion.
+/// Derivatives `∂ÿ = −(∂r/∂ÿ)⁻¹ ∂r` of the accelerations with respect to positions and velocities. r is the
+/// residual of the equations of motion.
 fn acceleration_derivatives<T: Number>(case: &Case<'_, T>, inverse: &Rows<T>) -> [Rows<T>; 2] {
     [By::Positions, By::Velocities].map(|by| {
         let rows = matrix_product(inverse, &case.derivative(by, Case::residual));
@@ -166,7 +169,8 @@ fn linearize<T: Number>(case: &Case<'_, T>, accelerations: &[T]) -> Vec<Vec<T>> 
     blocks.into_iter().chain(drift).collect()
 }
 
-/// Matrix D in `δ̇ = D δ + v − v̄`: `−ad_v` in the rows of joints with quaternions, and 0 in all other rows.
+/// Matrix D in `δ̇ = D δ + v − v̄`. δ is the deviation from a motion with the velocities v̄. D is `−ad_v`
+/// (the Lie bracket with v) in the rows of joints with quaternions, and 0 in all other rows.
 fn drift<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     let n = case.n();
     let mut rows = vec![vec![T::zero(); n]; n];
@@ -188,9 +192,10 @@ fn drift<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     rows
 }
 
-/// The inverse of a matrix with derivatives, and the growth of errors in a product with this inverse. The
-/// growth is the condition number of the matrix that is scaled to a diagonal of ones (Higham 2002, section
-/// 10.1), times the condition number of the scaling, because the error of a large component reaches small
+/// The inverse of a matrix with derivatives, and the growth of errors in a product with this inverse.
+///
+/// The growth is a product of two condition numbers: that of the matrix scaled to a diagonal of ones (Higham
+/// 2002, section 10.1), and that of the scaling, because the error of a large component reaches small
 /// components. A singular matrix has NaN and an infinite growth.
 fn inverse<T: Number>(rows: &Rows<T>) -> (Rows<T>, f64) {
     let n = rows.len();
@@ -249,7 +254,7 @@ fn twist<T: Number>(case: &Case<'_, T>, at: &Attachment, j: usize) -> Vec<T> {
     space::add(link.velocity, space::cross(link.spin, arm)).into_iter().chain(link.spin).collect()
 }
 
-/// Wrenches through the joints, in the frames of their links.
+/// Wrenches that the joints transmit, in the frames of their links.
 fn joint_wrenches<T: Number>(case: &Case<'_, T>) -> Vec<T> {
     let rates = [&case.v[..], &case.a[..]];
     let links = case.links_in(rates, case.robot.gravity());

@@ -1,9 +1,10 @@
-//! Comparison of every generated function with an independent evaluation of its model at seeded states.
+//! Comparison of every generated function with an independent evaluation of its model at pseudo-random
+//! states.
 //!
 //! The interpreter runs the function's program. Expected results come from the Newton–Euler equations of the
-//! [`Model`], evaluated numerically. Derivatives use dual numbers. This evaluation uses neither `kinematics/`
-//! nor `dynamics/`, so errors of the derivation are detected. Functions of discrete time and of positions
-//! have the same text for every robot. They call functions that are checked here.
+//! [`Model`], evaluated numerically. Derivatives use dual numbers. This evaluation uses neither the module
+//! `kinematics` nor `dynamics`, so errors of the derivation are detected. Functions of discrete time and of
+//! positions have the same text for every robot. They call functions that are checked here.
 
 mod case;
 mod functions;
@@ -23,26 +24,27 @@ use functions::expected;
 use number::{Dual, Measured, Number};
 use robot::{Positions, Robot};
 
-/// Largest allowed difference, relative to the largest entry of both results.
+/// Largest allowed difference between a generated and an expected result, relative to the largest entry of
+/// both.
 const RELATIVE: f64 = 1e-9;
 
-/// Largest allowed difference, divided by the running error of [`Measured`]. Sums whose terms cancel agree only
-/// up to rounding errors.
+/// Largest allowed difference between a generated and an expected result, divided by the running error of
+/// [`Measured`]. Sums whose terms cancel agree only up to rounding errors.
 const OF_ERROR: f64 = 1e-12;
 
-/// Code of errors of gelenk itself.
+/// Code of diagnostics about errors of gelenk itself.
 pub const INTERNAL: &str = "internal-error";
 
 /// A result that differs from its independent evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Disagreement {
-    /// Name of the function.
+    /// Name of the function whose result differs.
     pub function: String,
     /// Index of the result in `program.outputs`.
     pub result: usize,
-    /// Largest difference of an entry, divided by the allowed difference.
+    /// Largest difference of an entry, divided by the largest allowed difference.
     pub excess: f64,
-    /// The entry with this difference: generated value, expected value.
+    /// The entry with the largest difference: generated value, expected value.
     pub entry: [f64; 2],
 }
 
@@ -57,7 +59,7 @@ pub fn verify(model: &Model, functions: &[Function]) -> Result<(), Diagnostics> 
     if problems.is_empty() { Ok(()) } else { Err(Diagnostics::new(problems)) }
 }
 
-/// Largest disagreement of a function at the states of the self-test.
+/// Largest disagreement of a function with the independent evaluation, at the states of the self-test.
 #[must_use]
 pub fn worst(model: &Model, function: &Function) -> Disagreement {
     let found = (0..self_test::STATES).flat_map(|seed| differences(model, function, seed));
@@ -65,7 +67,7 @@ pub fn worst(model: &Model, function: &Function) -> Disagreement {
 }
 
 impl Disagreement {
-    /// Whether rounding explains the difference.
+    /// Whether rounding explains the disagreement.
     #[must_use]
     pub fn is_rounding(&self) -> bool {
         self.excess <= 1.0
@@ -85,7 +87,7 @@ impl Disagreement {
     }
 }
 
-/// The entry of each result with the largest difference.
+/// For each result of a function, the entry that differs most from the independent evaluation.
 fn differences(model: &Model, function: &Function, seed: u64) -> Vec<Disagreement> {
     let arguments = self_test::arguments(model, function, seed);
     let parameters = model.described_parameters();
@@ -114,7 +116,7 @@ fn differences(model: &Model, function: &Function, seed: u64) -> Vec<Disagreemen
         .collect()
 }
 
-/// M (row-major) and the bias forces at a state, with the parameter values of the description.
+/// Mass matrix (row-major) and bias forces at a state, with the parameter values of the description.
 #[must_use]
 pub fn mass_and_bias(model: &Model, y: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
     let given = Given { model, names: &["y", "v"], arguments: &[y.to_vec(), v.to_vec()] };
@@ -124,7 +126,8 @@ pub fn mass_and_bias(model: &Model, y: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
     results.map(|result| result.into_iter().map(|x| x.value).collect())
 }
 
-/// Columns of B at positions of the coordinates and motions of driven joints, with the running error of each entry.
+/// Columns of the input matrix at positions of the coordinates and prescribed motions of joints, with the
+/// running error of each entry.
 #[must_use]
 pub(crate) fn input_columns(model: &Model, parameters: &[f64], [y, d]: [&[f64]; 2]) -> Vec<Vec<[f64; 2]>> {
     let given = Given { model, names: &["y", "d"], arguments: &[y.to_vec(), d.to_vec()] };
@@ -136,7 +139,8 @@ pub(crate) fn input_columns(model: &Model, parameters: &[f64], [y, d]: [&[f64]; 
 /// Suffix of the name of a function's derivative with respect to the free parameters.
 const BY_PARAMETERS: &str = "_by_parameters";
 
-/// Disagreement of a function that has no independent evaluation, or whose program cannot run.
+/// The disagreement that is returned for a function without an independent evaluation, or whose program
+/// cannot run.
 fn unknown(function: &Function) -> Disagreement {
     let entry = [f64::NAN; 2];
     Disagreement { function: function.name.clone(), result: 0, excess: f64::INFINITY, entry }
@@ -187,7 +191,8 @@ impl<'a> Given<'a> {
         Some((found.results, found.condition))
     }
 
-    /// Derivatives with respect to each free parameter: a row for each entry of each result.
+    /// Derivatives of a function's results with respect to each free parameter: a row for each entry of each
+    /// result.
     fn by_parameters(&self, function: &Function, parameters: &[f64]) -> Option<(Vec<Vec<Measured>>, f64)> {
         let mut columns: Vec<Vec<Vec<Measured>>> = Vec::new();
         let mut condition = 1.0;
@@ -210,7 +215,7 @@ impl<'a> Given<'a> {
         self.names.iter().position(|other| *other == name).map(|index| self.arguments[index].as_slice())
     }
 
-    /// The case. Arguments that the function does not have are zero.
+    /// The state with the given arguments. Arguments that the function does not have are zero.
     fn case<T: Number>(&self, parameters: Vec<T>) -> Case<'a, T> {
         let model = self.model;
         let driven = self.argument("d").unwrap_or_default();

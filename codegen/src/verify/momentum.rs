@@ -8,7 +8,8 @@ use super::space::{
 };
 use crate::model::RotorCoupling;
 
-/// Kinetic energy `½ (ẏ, ḋ)ᵀ M (ẏ, ḋ)`.
+/// Kinetic energy `½ (ẏ, ḋ)ᵀ M (ẏ, ḋ)` with the mass matrix M. ẏ are the velocities of the coordinates, and ḋ
+/// the prescribed velocities of driven joints.
 pub fn kinetic_energy<T: Number>(case: &Case<'_, T>) -> T {
     let zeros = case.robot.zeros();
     let momenta = case.newton_euler([&zeros, &case.v], constant([0.0; 3]));
@@ -39,7 +40,7 @@ fn moving<'a, T: Number>(
     })
 }
 
-/// Mass and centre of mass.
+/// Mass and centre of mass of the moving bodies.
 fn mass_center<T: Number>(case: &Case<'_, T>, links: &[LinkMotion<T>]) -> (T, Vector<T>) {
     let none = (T::zero(), constant([0.0; 3]));
     let (mass, first) = moving(case, links).fold(none, |(mass, first), (link, [m, x, y, z, ..])| {
@@ -57,7 +58,7 @@ pub fn center<T: Number>(case: &Case<'_, T>) -> Vector<T> {
     mass_center(case, &case.links()).1
 }
 
-/// Linear momentum, then angular momentum about the centre of mass, at velocities v.
+/// Linear momentum of the moving bodies, then angular momentum about their centre of mass, at velocities v.
 pub fn momentum<T: Number>(case: &Case<'_, T>, v: &[T]) -> [T; 6] {
     let zeros = case.robot.zeros();
     let links = case.links_in([v, &zeros], constant([0.0; 3]));
@@ -81,7 +82,8 @@ pub fn momentum<T: Number>(case: &Case<'_, T>, v: &[T]) -> [T; 6] {
     [linear[0], linear[1], linear[2], angular[0], angular[1], angular[2]]
 }
 
-/// Momentum matrix. Rows are entries of the momentum, columns are velocities including driven coordinates.
+/// Momentum matrix of the moving bodies. Rows are entries of the momentum, columns are velocities including
+/// the prescribed ones.
 pub fn matrix<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     let zeros = case.robot.zeros();
     let column = |j: usize| {

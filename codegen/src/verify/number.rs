@@ -1,4 +1,4 @@
-//! Numbers of the independent evaluation, with rounding errors and with derivatives.
+//! Number types of the independent evaluation: numbers with rounding errors, and with derivatives.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -16,9 +16,9 @@ pub trait Number:
     fn sqrt(self) -> Self;
     fn abs(self) -> Self;
     fn sign(self) -> Self;
-    /// This value with the error of another number.
+    /// This value with the rounding error of another number.
     fn with_error_of(self, other: Self) -> Self;
-    /// The larger magnitude and the larger error of two numbers.
+    /// The larger magnitude and the larger rounding error of two numbers.
     fn larger(self, other: Self) -> Self;
     /// This value with only its own rounding error.
     fn exact(self) -> Self;
@@ -38,7 +38,7 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// A value with the error of its terms and its own rounding error.
+    /// A value with the rounding error of its terms and its own rounding error.
     fn rounded(value: f64, error: f64) -> Self {
         Self { value, error: error + value.abs() }
     }

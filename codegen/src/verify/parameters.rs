@@ -1,4 +1,4 @@
-//! Parameters in which the equations are linear, and their regressors.
+//! Parameters in which the equations of motion are linear, and their regressors.
 
 use super::case::{Case, Rows, plus, transposed};
 use super::number::Number;
@@ -44,7 +44,7 @@ fn carrier<T: Number>(case: &Case<'_, T>, link: usize) -> usize {
     }
 }
 
-/// Inertias of the bodies of a link and of the rotors at rest on it, in the frame of another link.
+/// Inertias of the bodies of a link and of the rotors that do not turn on it, in the frame of another link.
 fn parts<T: Number>(
     case: &Case<'_, T>,
     links: &[LinkMotion<T>],
@@ -67,7 +67,7 @@ fn parts<T: Number>(
     bodies.chain(rotors).map(|part| moved(&part, origin, &rotation)).collect()
 }
 
-/// An inertia about another origin, in other axes.
+/// A body's inertia about another origin, in other axes.
 fn moved<T: Number>(
     &[m, x, y, z, xx, xy, yy, xz, yz, zz]: &Inertia<T>,
     origin: Vector<T>,
@@ -86,7 +86,7 @@ fn moved<T: Number>(
     [m, h[0], h[1], h[2], entry(0, 0), entry(0, 1), entry(1, 1), entry(0, 2), entry(1, 2), entry(2, 2)]
 }
 
-/// Regressor W. Rows are coordinates.
+/// Regressor W of the inertial parameters as a list of rows. Each row belongs to a coordinate.
 pub fn regressor<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     let rates = [&case.v[..], &case.a[..]];
     let links = case.links_in(rates, case.robot.gravity());
@@ -111,8 +111,8 @@ pub fn regressor<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     transposed(&columns, case.n())
 }
 
-/// Columns of the inertial regressor W for the leaders of the base parameters; `None` if the names of the base
-/// parameters are unknown.
+/// Columns of the inertial regressor for the leading parameters of the base parameters; `None` if the names
+/// of the base parameters are unknown.
 pub fn base_regressor<T: Number>(case: &Case<'_, T>, constants: &[Constant]) -> Option<Rows<T>> {
     let leaders = constants.iter().find_map(|constant| match &constant.value {
         ConstantValue::Names(_, names) if constant.name == "BASE_PARAMETER_NAMES" => Some(names),
@@ -128,7 +128,7 @@ pub fn base_regressor<T: Number>(case: &Case<'_, T>, constants: &[Constant]) -> 
     Some(regressor(case).iter().map(|row| indices.iter().map(|&k| row[k]).collect()).collect())
 }
 
-/// Terms grouped by their basis function, in the order of the first term of each group.
+/// Friction terms grouped by their basis function, in the order of the first term of each group.
 fn groups(terms: &[FrictionTerm]) -> Vec<Vec<&FrictionTerm>> {
     let mut groups: Vec<Vec<&FrictionTerm>> = Vec::new();
     for term in terms {

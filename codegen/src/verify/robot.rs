@@ -22,12 +22,13 @@ pub struct Robot<'m, T> {
     pub model: &'m Model,
     pub parameters: Vec<T>,
     pub moving: Rc<Vec<MovingJoint<'m>>>,
-    /// Largest coordinate of a joint or of a centre of mass in the description. The derivation expresses points
-    /// in other frames, so each point gets a rounding error of this size.
+    /// Largest coordinate of a joint or of a centre of mass in the description. The derivation expresses
+    /// points in other frames, so each point gets a rounding error of this size (m).
     length: T,
 }
 
-/// Positions of all coordinates. Driven coordinates are last. Joints with quaternions have poses instead.
+/// Positions of all coordinates. Driven coordinates are last. Joints with quaternions have poses instead of
+/// positions.
 #[derive(Clone)]
 pub struct Positions<T> {
     pub scalars: Vec<T>,
@@ -38,17 +39,17 @@ pub struct Positions<T> {
 /// Pose and motion of a link, in the axes of the base.
 #[derive(Clone, Copy)]
 pub struct LinkMotion<T> {
-    /// Origin.
+    /// Position of the link's origin in the base frame.
     pub origin: Vector<T>,
     /// Rotation from the axes of the link to the axes of the base.
     pub rotation: Matrix<T>,
-    /// Velocity of the origin.
+    /// Velocity of the link's origin.
     pub velocity: Vector<T>,
-    /// Angular velocity.
+    /// Angular velocity of the link.
     pub spin: Vector<T>,
-    /// Acceleration of the origin minus the gravitational acceleration.
+    /// Acceleration of the link's origin minus the gravitational acceleration.
     pub acceleration: Vector<T>,
-    /// Angular acceleration.
+    /// Angular acceleration of the link.
     pub spin_rate: Vector<T>,
     /// Whether a coordinate moves the link.
     pub moves: bool,
@@ -129,7 +130,8 @@ impl<'m, T: Number> Robot<'m, T> {
         }
     }
 
-    /// The motion `Σ ratio · x[coordinate]` of a joint or shaft.
+    /// The motion `Σ ratio · x[coordinate]` of a joint or shaft, for positions, velocities or accelerations x
+    /// of the coordinates.
     pub fn followed(&self, terms: &[FollowedCoordinate], x: &[T]) -> T {
         let terms = terms.iter().map(|term| self.number(&term.ratio) * x[term.coordinate]);
         terms.fold(T::zero(), |sum, term| sum + term)
@@ -161,7 +163,7 @@ impl<'m, T: Number> Robot<'m, T> {
         vec![T::zero(); self.model.motion_count()]
     }
 
-    /// Motion of every link.
+    /// Motion of every link at the given positions, velocities and accelerations.
     pub fn motions(&self, at: &Positions<T>, [v, a]: [&[T]; 2], gravity: Vector<T>) -> Vec<LinkMotion<T>> {
         let still = constant([0.0; 3]);
         let mut links: Vec<LinkMotion<T>> = Vec::with_capacity(self.model.links.len());
@@ -364,8 +366,8 @@ impl<'m, T: Number> Robot<'m, T> {
         ]
     }
 
-    /// Origin of an attachment relative to the origin of its link, in the axes of the base, and the rotation
-    /// of the attachment.
+    /// Origin of a frame relative to the origin of its link, in the axes of the base, and the rotation of the
+    /// frame.
     pub fn attached(&self, at: &Attachment, links: &[LinkMotion<T>]) -> (Vector<T>, Matrix<T>) {
         let link = &links[at.link];
         let arm = times(&link.rotation, self.point(&at.pose.translation));
@@ -403,7 +405,8 @@ impl<T: Number> LinkMotion<T> {
         sum([self.acceleration, cross(self.spin_rate, arm), cross(self.spin, cross(self.spin, arm))])
     }
 
-    /// The wrench about the link's origin that accelerates an inertia (Atkeson, An and Hollerbach 1986).
+    /// The wrench about the link's origin that a body with this inertia requires for the link's motion
+    /// (Atkeson, An and Hollerbach 1986).
     pub fn wrench_of(&self, &[m, hx, hy, hz, xx, xy, yy, xz, yz, zz]: &Inertia<T>) -> Wrench<T> {
         let h = times(&self.rotation, [hx, hy, hz]);
         let inertia = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];

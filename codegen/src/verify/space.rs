@@ -1,4 +1,4 @@
-//! Vectors and rotations in space, row-major.
+//! Vectors and rotation matrices in space. Matrices are row-major.
 
 use super::number::Number;
 
@@ -46,8 +46,8 @@ pub fn product<T: Number>(a: &Matrix<T>, b: &Matrix<T>) -> Matrix<T> {
     a.map(|row| columns.map(|column| dot(row, column)))
 }
 
-/// Product of two rotations. All its entries have the same error. Along a chain of joints this error only
-/// adds up. Errors of separate sums of products would grow by a factor with each joint.
+/// Product of two rotation matrices. All its entries have the same error. Along a chain of joints this error
+/// only adds up. Errors of separate sums of products would grow by a factor with each joint.
 pub fn rotation_product<T: Number>(a: &Matrix<T>, b: &Matrix<T>) -> Matrix<T> {
     let error = largest(a) * largest(b);
     product(a, b).map(|row| row.map(|x| x.with_error_of(error)))
@@ -57,12 +57,12 @@ fn largest<T: Number>(a: &Matrix<T>) -> T {
     a.iter().flatten().fold(T::zero(), |largest, &x| largest.larger(x))
 }
 
-/// A constant rotation.
+/// A constant rotation matrix with entries of the number type.
 pub fn rotation<T: Number>(a: [[f64; 3]; 3]) -> Matrix<T> {
     a.map(|row| row.map(|x| T::constant(x).with_error_of(T::constant(1.0))))
 }
 
-/// Rotation about a unit axis (Rodrigues 1840): `1 + sin θ [a] + (1 − cos θ) [a]²`.
+/// Rotation matrix `1 + sin θ [a] + (1 − cos θ) [a]²` about a unit axis a (Rodrigues 1840).
 pub fn turn<T: Number>([x, y, z]: [f64; 3], angle: T) -> Matrix<T> {
     let hat = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]].map(constant::<T>);
     let square = product(&hat, &hat);
@@ -75,7 +75,7 @@ pub fn turn<T: Number>([x, y, z]: [f64; 3], angle: T) -> Matrix<T> {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)))
 }
 
-/// Rotation of a unit quaternion x y z w.
+/// Rotation matrix of a unit quaternion x y z w.
 pub fn attitude<T: Number>([x, y, z, w]: [T; 4]) -> Matrix<T> {
     let two = T::constant(2.0);
     let one = T::constant(1.0);

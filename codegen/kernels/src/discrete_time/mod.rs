@@ -1,8 +1,12 @@
-//! Discrete time: exact zero-order hold of an affine system, and Runge–Kutta steps with their sensitivities.
+//! Discrete time: exact zero-order hold of an affine system, and Runge–Kutta steps with their derivatives.
 //!
 //! The text of each file is compiled here and pasted into generated modules ([`Text`]). For single precision,
-//! every `f64` in the text is replaced. The texts may only use `core`, must not allocate or panic, have only
-//! loops over N and M or constants, and have no inner attributes or inner doc comments.
+//! every `f64` in the text is replaced. The texts
+//!
+//! - use only `core`
+//! - do not allocate or panic
+//! - have only loops over N and M (the numbers of coordinates and inputs) or constants
+//! - have no inner attributes or inner doc comments
 //!
 //! Robots with joints that have quaternions use the functions `…_on_manifold`, see [`crate::manifold`].
 //!
@@ -23,37 +27,40 @@ include!("../manifold/zero_order_hold.rs");
 
 /// Parts of [`zero_order_hold`], for implementations of the same method over several systems at once.
 pub mod shared {
-    /// Largest number of doublings of the integral `Φ = ∫ exp(A s) ds`.
+    /// Largest number of doublings of the interval in the integral `Φ = ∫ exp(A s) ds`.
     pub const MOST_DOUBLINGS: u32 = super::MOST_DOUBLINGS;
-    /// Number of terms in each of the three parts of the Taylor polynomial of Φ.
+    /// Number of terms in each of the three parts of the Taylor polynomial of `Φ = ∫ exp(A s) ds`.
     pub const TERMS: usize = super::TERMS;
-    /// Coefficients `1/(k + 1)!` of the three parts of the Taylor polynomial of Φ.
+    /// Coefficients `1/(k + 1)!` of the three parts of the Taylor polynomial of `Φ = ∫ exp(A s) ds`.
     pub const COEFFICIENTS: [[f64; TERMS]; 3] = super::COEFFICIENTS;
 
-    /// Number of halvings of the period \[s\] after which the Taylor polynomial is accurate; `None` if more
-    /// halvings than the maximum are needed. `by_y` and `by_v` are the norms of `∂ÿ/∂y` and `∂ÿ/∂ẏ`.
+    /// Number of halvings of the period \[s\] after which the Taylor polynomial of `exp(A s)` is accurate;
+    /// `None` if more halvings than [`MOST_DOUBLINGS`] are needed. `by_y` and `by_v` are the norms of `∂ÿ/∂y`
+    /// and `∂ÿ/∂ẏ`.
     pub fn halvings(by_y: f64, by_v: f64, period: f64) -> Option<u32> {
         super::halvings(&[[by_y]], &[[by_v]], period)
     }
 }
 
-/// A text that the generator pastes into modules. The variants have the order in which the texts are pasted.
+/// Text of discrete-time functions that the generator pastes into modules. The variants have the order in
+/// which the texts are pasted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Text {
-    /// Sums of arrays.
+    /// Text of a function that adds a scaled array to a sum.
     Sums,
-    /// Halves of matrices over the state, and their products.
+    /// Text of matrices over the state (y, ẏ), which are stored as upper and lower halves, and of their
+    /// products.
     Halves,
-    /// Text of [`zero_order_hold`].
+    /// Text of [`zero_order_hold`], the exact discretization of an affine system.
     ZeroOrderHold,
-    /// Text of [`runge_kutta`].
+    /// Text of [`runge_kutta`], an integration step of order 4.
     RungeKutta,
-    /// Text of [`runge_kutta_derivatives`].
+    /// Text of [`runge_kutta_derivatives`], an integration step with its derivatives.
     Sensitivities,
 }
 
 impl Text {
-    /// The Rust items of the text.
+    /// The Rust items of the text, as source code.
     pub fn source(self) -> &'static str {
         match self {
             Self::Sums => include_str!("sums.rs"),
@@ -64,7 +71,7 @@ impl Text {
         }
     }
 
-    /// The same operations in C99. All names begin with `gelenk_`.
+    /// The text in C99, with the same operations as in Rust. All names begin with `gelenk_`.
     pub fn c_source(self) -> &'static str {
         match self {
             // In C, these items are part of the text of the halves, which needs them.
@@ -77,18 +84,18 @@ impl Text {
     }
 }
 
-/// The acceleration with its derivatives in C99. It follows [`Text::Sensitivities`] for robots without
-/// quaternions. Robots with quaternions use [`crate::manifold::Text::Sensitivities`] instead.
+/// C99 function of the acceleration with its derivatives. It follows [`Text::Sensitivities`] for robots
+/// without quaternions. Robots with quaternions use [`crate::manifold::Text::Sensitivities`] instead.
 pub const C_ACCELERATION: &str = include_str!("acceleration.c");
 
-/// The bodies of the functions over a sample time in C99, like [`Text::c_source`].
+/// C99 bodies of the functions `discretize`, `step` and `step_derivatives`.
 ///
 /// [`crate::manifold::c_bodies`] contains the bodies for robots with quaternions.
 pub mod c_bodies {
-    /// Zero-order hold of the linearization.
+    /// C99 body of `discretize`, the exact zero-order hold of the linearized robot.
     pub const DISCRETIZE: &str = include_str!("discretize.c");
-    /// Runge–Kutta steps.
+    /// C99 body of `step`: Runge–Kutta steps over one sample time.
     pub const STEP: &str = include_str!("step.c");
-    /// Runge–Kutta steps with their sensitivities.
+    /// C99 body of `step_derivatives`: Runge–Kutta steps over one sample time, with their derivatives.
     pub const STEP_DERIVATIVES: &str = include_str!("step_derivatives.c");
 }

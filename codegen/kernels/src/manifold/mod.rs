@@ -27,28 +27,34 @@ include!("positions.rs");
 include!("bracket.rs");
 include!("tangents.rs");
 
-/// A text that the generator pastes into modules. The variants have the order in which the texts are pasted.
+/// Text about positions with quaternions that the generator pastes into modules. The variants have the order
+/// in which the texts are pasted.
 ///
 /// The first five texts form a module `manifold`, after `use super::math::{sin_cos, sqrt};` (in single
 /// precision, the imported names end in `_f32`). The other texts belong to the module `discrete_time`. They
 /// follow all texts of [`crate::discrete_time::Text`] and the imports of [`Text::USED_IN_DISCRETE_TIME`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Text {
-    /// Indices of the joints' entries.
+    /// Text of the functions that find each joint's entries in the positions and velocities.
     Joints,
     /// Exponential and logarithm of rotations.
     Rotation,
-    /// Texts of [`integrate`], [`difference`], [`normalize`] and [`neutral`].
+    /// Text of [`integrate`] (`y ⊕ d`), [`difference`] (`y₂ ⊖ y₁`), [`normalize`] and [`neutral`], the
+    /// positions without displacement.
     Positions,
-    /// Text of [`bracket`].
+    /// Text of [`bracket`], the Lie bracket of two velocities.
     Bracket,
-    /// Texts of [`integrate_derivatives`] and [`difference_derivatives`].
+    /// Text of [`integrate_derivatives`] and [`difference_derivatives`], the derivatives of `y ⊕ d` and
+    /// `y₂ ⊖ y₁`.
     Tangents,
-    /// Text of [`crate::discrete_time::runge_kutta_on_manifold`].
+    /// Text of a Runge–Kutta step for robots with quaternions,
+    /// [`crate::discrete_time::runge_kutta_on_manifold`].
     RungeKutta,
-    /// Text of [`crate::discrete_time::runge_kutta_on_manifold_derivatives`].
+    /// Text of a Runge–Kutta step for robots with quaternions and of its derivatives,
+    /// [`crate::discrete_time::runge_kutta_on_manifold_derivatives`].
     Sensitivities,
-    /// Text of [`crate::discrete_time::zero_order_hold_on_manifold`].
+    /// Text of the exact discretization of a robot with quaternions,
+    /// [`crate::discrete_time::zero_order_hold_on_manifold`].
     ZeroOrderHold,
 }
 
@@ -56,7 +62,7 @@ impl Text {
     /// Items of the module `manifold` that the texts in the module `discrete_time` import.
     pub const USED_IN_DISCRETE_TIME: &str = "use super::manifold::{cross, integrate, places, pose_bracket, pose_tangents, read, rotation_tangents, write};";
 
-    /// The Rust items of the text.
+    /// The Rust items of the text, as source code.
     pub fn source(self) -> &'static str {
         match self {
             Self::Joints => include_str!("joints.rs"),
@@ -70,11 +76,12 @@ impl Text {
         }
     }
 
-    /// The same operations in C99. All names begin with `gelenk_`. Empty if C does not need the text.
+    /// The text in C99, with the same operations as in Rust. All names begin with `gelenk_`. Empty if C does
+    /// not need the text.
     ///
     /// The texts read the module's constants JOINT_POSITIONS, FIRST_POSITIONS and FIRST_VELOCITIES instead of
-    /// `widths`. They contain only functions that a generated module calls, because compilers warn about
-    /// unused functions.
+    /// the argument `widths` of the Rust functions. They contain only functions that a generated module
+    /// calls, because compilers warn about unused functions.
     pub fn c_source(self) -> &'static str {
         match self {
             // Constants of the module contain the indices of entries. The bracket is part of the text of the
@@ -90,20 +97,22 @@ impl Text {
     }
 }
 
-/// The bodies of functions in C99, like [`Text::c_source`].
+/// C99 bodies of functions about positions with quaternions.
 pub mod c_bodies {
-    /// Body of [`super::integrate`].
+    /// C99 body of [`super::integrate`]: the positions `y ⊕ d`.
     pub const INTEGRATE: &str = include_str!("integrate.c");
-    /// Body of [`super::difference`].
+    /// C99 body of [`super::difference`]: the displacement `y₂ ⊖ y₁`.
     pub const DIFFERENCE: &str = include_str!("difference.c");
-    /// Body of [`super::integrate_derivatives`].
+    /// C99 body of [`super::integrate_derivatives`]: the derivatives of `y ⊕ d`.
     pub const INTEGRATE_DERIVATIVES: &str = include_str!("integrate_derivatives.c");
-    /// Body of [`super::normalize`].
+    /// C99 body of [`super::normalize`]: unit length of all quaternions.
     pub const NORMALIZE: &str = include_str!("normalize.c");
-    /// Zero-order hold of the linearization.
+    /// C99 body of `discretize` for robots with quaternions, the exact zero-order hold of the linearized
+    /// robot.
     pub const DISCRETIZE: &str = include_str!("discretize.c");
-    /// Runge–Kutta steps.
+    /// C99 body of `step` for robots with quaternions: Runge–Kutta steps over one sample time.
     pub const STEP: &str = include_str!("step.c");
-    /// Runge–Kutta steps with their sensitivities.
+    /// C99 body of `step_derivatives` for robots with quaternions: Runge–Kutta steps over one sample time,
+    /// with their derivatives.
     pub const STEP_DERIVATIVES: &str = include_str!("step_derivatives.c");
 }

@@ -43,7 +43,7 @@ def folder() -> Path:
 
 
 def key(*parts: Any) -> str:
-    """Returns a key for values that JSON can represent."""
+    """Returns a hash of values that JSON can represent, as the key of a cache entry."""
     text = json.dumps(parts, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 

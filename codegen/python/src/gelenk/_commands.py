@@ -84,7 +84,7 @@ def report(
 
 @dataclass(frozen=True)
 class Identified:
-    """Results of `identify`."""
+    """Results of `identify`: paths of the written files, and the identified values."""
 
     description: Path
     """Path of the description with the results, for `load`."""
@@ -289,7 +289,7 @@ def merge(
 
 
 def _listed(terms: str | Iterable[str] | None) -> str | None:
-    """Returns the terms as the value of an option."""
+    """Returns the terms separated by commas, as the value of an option."""
     return terms if terms is None or isinstance(terms, str) else ",".join(terms)
 
 

@@ -46,7 +46,7 @@ def find(named: str | None) -> tuple[tuple[str, ...], str]:
 
 
 def identity() -> list[str]:
-    """Returns values that distinguish compilers, flags and processors."""
+    """Returns values that distinguish compilers, flags and processors, for the key of a compiled library."""
     command, version = find(os.environ.get("CC"))
     return [*command, version, *FLAGS, platform.node(), platform.machine(), platform.processor()]
 

@@ -14,7 +14,7 @@ fifths of the time, but does not solve all QPs of the tests. If a QP is not solv
 
 
 class Motion(NamedTuple):
-    """The solution of an optimal control problem."""
+    """The solution of an optimal control problem: states, inputs and cost."""
 
     x: np.ndarray
     """States, one row per stage, including the terminal stage."""
@@ -118,7 +118,7 @@ def gauss_newton(
 
 
 def _cost(ca: Any, r: Any, arguments: list[Any], z: Any, weights: Any) -> tuple[Any, Any]:
-    """Returns ½ rᵀ W r and the upper triangle of JᵀWJ as functions."""
+    """Returns the cost ½ rᵀ W r and the upper triangle of its Gauss–Newton Hessian JᵀWJ as functions."""
     diagonal = ca.DM(np.broadcast_to(np.asarray(weights, float), (r.numel(),)).copy())
     jacobian = ca.jacobian(r, z)
     hessian = ca.triu(ca.mtimes(jacobian.T, ca.mtimes(ca.diag(diagonal), jacobian)))

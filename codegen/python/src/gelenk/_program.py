@@ -75,7 +75,7 @@ def run(words: Iterable[str | os.PathLike[str]], *, may_fail: bool = False, fold
 
 
 def diagnostics(entries: Iterable[Mapping[str, Any]]) -> tuple[Diagnostic, ...]:
-    """Converts entries of the JSON output to diagnostics."""
+    """Converts entries of the program's JSON output to diagnostics."""
     keys = Diagnostic.__dataclass_fields__
     return tuple(Diagnostic(**{key: entry[key] for key in keys}) for entry in entries)
 
@@ -118,7 +118,7 @@ def _json(text: str) -> Any:
 
 
 def _message(text: str) -> str:
-    """Returns the message of the program without progress lines."""
+    """Returns the error message in the output of the program, without progress lines."""
     lines = [line for line in text.splitlines() if not line.startswith("gelenk: ")]
     message = "\n".join(lines).strip()
     message = message.removeprefix("error: ")

@@ -150,7 +150,7 @@ def loaded(description: str, options: list[str], depth: int) -> Any:
 
 
 def again(make: Callable[[str, list[str], int], Any], description: str, options: list[str], module: str) -> Any:
-    """Makes a pickled object again in this process.
+    """Loads the robot of a pickled object again in this process.
 
     Raises `GelenkError` if the description or the program has changed since the object was pickled.
     """
@@ -172,7 +172,7 @@ def read(module: Path, description: Path, depth: int = 3) -> tuple[dict[str, Any
 
 
 def _at(note: dict[str, Any], place: Callable[[str], str]) -> dict[str, Any]:
-    """Returns the note with another path of its file."""
+    """Returns the note with the path of its file replaced by `place(file)`."""
     if note["file"] is None:
         return note
     file = place(note["file"])
@@ -184,8 +184,8 @@ def generated(description: Path, options: list[str], tool: str) -> Path:
 
     - `tool`: tool that gets additional files: `python`, `casadi` or `acados`
 
-    The cache holds the list of files that the program reads for a description and its options, and the module for the
-    contents of these files. Only relative paths between the files matter.
+    One cache entry has the list of files that the program reads for a description and its options. Another has the module
+    for the contents of these files. The key contains only relative paths between the files.
     """
     program = _program.find()
     content = _cache.fingerprint(description)

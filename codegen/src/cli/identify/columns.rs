@@ -1,4 +1,4 @@
-//! The command `gelenk identify --columns '?'`.
+//! The command `gelenk identify --columns '?'`, which prints the columns of a log.
 
 use std::process::ExitCode;
 

@@ -171,7 +171,7 @@ fn as_described(arguments: &Identify, model: &Model, robot: &InterpretedRobot) -
     })
 }
 
-/// Returns the finding about friction of followers, which is not identified.
+/// Returns the finding about friction of joints that follow others, which is not identified.
 fn friction_of_followers(model: &Model) -> Option<Finding> {
     let joints = model.links.iter().filter_map(|link| link.joint.as_ref());
     let follows = |joint: &&Joint| matches!(joint.motion, Motion::Follower(_)) && !joint.friction.is_empty();
@@ -253,7 +253,7 @@ pub(super) fn command(arguments: &Identify) -> String {
     words.chain(arguments.reading.words()).collect::<Vec<_>>().join(" ")
 }
 
-/// Returns the word for an option's value on the command line.
+/// Returns the word with which an option's value is written on the command line.
 fn name_of(value: impl ValueEnum) -> Option<String> {
     Some(value.to_possible_value()?.get_name().to_owned())
 }
@@ -311,8 +311,8 @@ fn describe(
     )?)
 }
 
-/// Returns lines of TOML for the drives under `[[drives]]`, and for the joints whose rows are replaced by
-/// rows of shafts.
+/// Returns lines of TOML for the drives in `[[drives]]`, and for the joints whose equations in the fit are
+/// replaced by those of drives' shafts.
 ///
 /// - `others`: inertial parameters after those of the bodies
 fn drive_tables(
@@ -340,7 +340,7 @@ fn drive_tables(
     Ok(tables)
 }
 
-/// Returns the identified values of a drive under `[[drives]]`.
+/// Returns the identified values of a drive in `[[drives]]`.
 fn identified_drive<'a>(
     found: &'a Identification,
     drive: &'a Drive,

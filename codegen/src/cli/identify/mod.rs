@@ -1,4 +1,4 @@
-//! The command `gelenk identify`.
+//! The command `gelenk identify`, which estimates friction, inertias and drive gains from logs.
 
 mod columns;
 mod found_json;

@@ -20,7 +20,7 @@ use crate::identify::InterpretedRobot;
 use crate::read::Loaded;
 use crate::wording::quoted;
 
-/// Extension of files with moments.
+/// File extension of moments, which are sums of products of a log's samples.
 const MOMENTS: &str = "moments";
 
 /// Reduces logs to one file of moments.

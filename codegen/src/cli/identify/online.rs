@@ -1,4 +1,5 @@
-//! The command `gelenk identify --online`.
+//! The command `gelenk identify --online`, which replays logs through the friction estimator of the control
+//! loop.
 
 use std::path::PathBuf;
 use std::process::ExitCode;

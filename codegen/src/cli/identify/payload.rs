@@ -1,4 +1,4 @@
-//! The command `gelenk identify --payload`.
+//! The command `gelenk identify --payload`, which estimates the load in the robot's hand.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -41,7 +41,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     }
 }
 
-/// The link that carries the load.
+/// The link that carries the identified load.
 struct Carrier {
     body: usize,
     link: String,

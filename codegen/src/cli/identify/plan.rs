@@ -1,4 +1,4 @@
-//! The command `gelenk identify --plan`.
+//! The command `gelenk identify --plan`, which plans a motion to record.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,10 +17,10 @@ use super::read::{read, say};
 use crate::identify::InterpretedRobot;
 use crate::wording::{as_written, three_digits};
 
-/// Largest number of rows of a plan.
+/// Largest number of rows of a planned motion.
 const MOST_ROWS: f64 = 1e6;
 
-/// Searches a motion that excites the parameters, and writes it as CSV.
+/// Searches a motion that excites the parameters to be identified, and writes it as CSV.
 pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     if arguments.seconds * arguments.rate > MOST_ROWS {
         return Err(Failure::Usage(format!(

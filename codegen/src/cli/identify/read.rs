@@ -38,7 +38,7 @@ pub(super) fn stated(arguments: &Identify) -> ColumnOptions {
     ColumnOptions { columns: arguments.columns.clone(), ..ColumnOptions::default() }
 }
 
-/// Returns the names of the joints that are not in the logs.
+/// Returns the names of the joints that are held because they are not in the logs.
 fn held(arguments: &Identify, model: &Model) -> Result<Vec<String>, Failure> {
     let names: Vec<String> = model.joints().map(|joint| joint.name.clone()).collect();
     let held = stated(arguments).held(&names)?;

@@ -38,7 +38,7 @@ const TAKEN: [&str; 13] = [
     "test",
 ];
 
-/// Creates the project.
+/// Creates the folder and files of a new project.
 pub(super) fn new(arguments: &New, format: Format) -> Result<ExitCode, Failure> {
     let folder = &arguments.folder;
     let reading = Reading {
@@ -106,7 +106,7 @@ fn require_places(files: &[(&str, &[u8])]) -> Result<(), Failure> {
     }
 }
 
-/// The project in the requested language, and the name of its package; `None` for C and Python.
+/// The project in the requested language, and the name of its package; the name is `None` for C and Python.
 fn project(arguments: &New, robot: &Robot) -> Result<(Project, Option<String>), Failure> {
     if arguments.c {
         return Ok((Project::c(robot.floats), None));
@@ -127,7 +127,7 @@ fn project(arguments: &New, robot: &Robot) -> Result<(Project, Option<String>), 
     Ok((Project::rust(&name, &source, robot, arguments.online_friction), Some(name)))
 }
 
-/// Creates the folder. It must not exist, so that it may be removed after a failure.
+/// Creates the folder of the project. It must not exist, so that it may be removed after a failure.
 fn make(folder: &Path) -> Result<(), Failure> {
     let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty());
     let made = parent.map_or(Ok(()), fs::create_dir_all);
@@ -173,7 +173,7 @@ fn name(folder: &Path) -> Result<String, Failure> {
     }
 }
 
-/// The name if ROS accepts it for a package (REP 144), otherwise an error.
+/// Returns the name if ROS accepts it for a package (REP 144), otherwise an error.
 fn ros_name(name: String) -> Result<String, Failure> {
     let is_letter = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
     if name.chars().all(is_letter) {

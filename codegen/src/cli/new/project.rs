@@ -4,18 +4,18 @@ use super::super::failure::Failure;
 use super::robot::Robot;
 use super::source::Source;
 
-/// A new project.
+/// Files of a new project, and texts for messages about it.
 pub(super) struct Project {
-    /// Names and texts of the files.
+    /// Names and texts of the project's files.
     pub(super) files: Vec<(&'static str, String)>,
     /// Purpose of the generated files, as the end of a message.
     pub(super) made: &'static str,
-    /// Command that runs the project.
+    /// Command that runs the new project.
     pub(super) next: &'static str,
 }
 
 impl Project {
-    /// A Rust crate.
+    /// Creates the files of a Rust crate.
     ///
     /// - `learns`: whether its program learns friction
     pub(super) fn rust(name: &str, source: &Source, robot: &Robot, learns: bool) -> Self {
@@ -52,7 +52,7 @@ impl Project {
         Self { files: all_filled(&texts, &values), made, next: "cargo run" }
     }
 
-    /// A C project with a Makefile.
+    /// Creates the files of a C project with a Makefile.
     ///
     /// - `floats`: whether the base is floating
     pub(super) fn c(floats: bool) -> Self {
@@ -72,7 +72,7 @@ impl Project {
         }
     }
 
-    /// A ROS 2 package for ros2_control.
+    /// Creates the files of a ROS 2 package for ros2_control.
     pub(super) fn ros2(name: &str, joints: &[String]) -> Self {
         let list = |text: &dyn Fn(&str) -> String| {
             joints.iter().map(|joint| text(joint)).collect::<Vec<_>>().join(", ")
@@ -103,7 +103,7 @@ impl Project {
         }
     }
 
-    /// A Python project.
+    /// Creates the files of a Python project.
     pub(super) fn python(source: &Source, floats: bool) -> Result<Self, Failure> {
         let main = match floats {
             true => include_str!("../template/python/main_floating.py"),
@@ -122,7 +122,7 @@ impl Project {
     }
 }
 
-/// A string of YAML. Each JSON string is also a YAML string.
+/// The text as a string of YAML. Each JSON string is also a YAML string.
 fn yaml_text(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }

@@ -12,17 +12,17 @@ use crate::wording::{quoted, toml_text};
 
 /// Description of a new project, and the files it uses.
 pub(super) struct Robot {
-    /// Text of `robot.toml`.
+    /// Text of the project's description `robot.toml`.
     pub(super) description: String,
     /// Whether the friction of the robot is discontinuous at rest.
     pub(super) has_dry_friction: bool,
     /// Files that the description extends: paths in the project, and contents.
     pub(super) copies: Vec<(String, Vec<u8>)>,
-    /// Whether the base is floating.
+    /// Whether the base of the robot is floating.
     pub(super) floats: bool,
-    /// Names of the joints, without followers.
+    /// Names of the joints that do not follow others.
     pub(super) joints: Vec<String>,
-    /// Joints without a motor.
+    /// Names of the joints without a motor.
     passive: Vec<String>,
     /// Notes of the description, for example about legs with a fixed base.
     pub(super) notes: Diagnostics,
@@ -106,17 +106,17 @@ fn from_xml(path: &Path, reading: &Reading) -> Result<Robot, Failure> {
     })
 }
 
-/// Format of the robot's file.
+/// Format of the robot's file, URDF or MJCF, with texts for the new description.
 struct Kind {
-    /// Name of the copy in the project.
+    /// Name of the file's copy in the project.
     file: &'static str,
     /// Key of the description that names the copy.
     key: &'static str,
     /// Whether the file has motors. Otherwise every joint is an input.
     has_motors: bool,
-    /// Comment on drives and friction, which the file may lack.
+    /// Comment about drives and friction in the new description, which the file may lack.
     drives: &'static str,
-    /// Comment on one joint.
+    /// Comment about one joint in the new description.
     joint: &'static str,
 }
 

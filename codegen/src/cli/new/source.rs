@@ -7,14 +7,14 @@ use super::super::arguments::New;
 use super::super::failure::Failure;
 use crate::wording::toml_text;
 
-/// Source of the crates of gelenk.
+/// Source of gelenk's crates: a checkout, a repository or a registry.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Source {
-    /// Folder of a checkout.
+    /// Folder of a checkout of gelenk.
     Path(PathBuf),
-    /// URL of a Git repository.
+    /// URL of a Git repository of gelenk.
     Git(String),
-    /// Version in a registry.
+    /// Version of gelenk in a registry.
     Version(String),
 }
 
@@ -106,7 +106,7 @@ impl Source {
         }
     }
 
-    /// The key of a dependency on a crate in the folder `part`.
+    /// The key in `Cargo.toml` for a dependency on a crate in the folder `part`.
     pub(super) fn key(&self, part: &str) -> String {
         match self {
             Self::Path(folder) => format!("path = {}", toml_text(&folder.join(part).to_string_lossy())),

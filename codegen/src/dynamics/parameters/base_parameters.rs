@@ -5,7 +5,7 @@
 //! from the first to the last. An independent column starts a new group. A dependent column is added to the
 //! groups of the earlier columns on which it depends, so parameters move towards the base. The method is
 //! numerical, because the known rules do not cover branches with special axes or gravity along an axis. The
-//! states come from a fixed seed, and sums have a fixed order, so the groups are the same on every platform.
+//! states have a fixed seed and sums a fixed order, so the groups are the same on every platform.
 //!
 //! If free lengths, gear ratios or gravity enter the regressor, groups are formed at several values of these
 //! parameters. A coefficient that differs between the values is not constant, for example the factor i² of a
@@ -21,58 +21,59 @@ use crate::program::flow::operands;
 use crate::program::interpret::interpret;
 use crate::program::{GraphOutput, InputArray, Operand, Program, Shape, lower};
 
-/// A column depends on earlier columns if at most this part of its length remains after the projection on
-/// them. If the dependency is exact, about 1e-15 remains. If the description gives angles with nine digits,
-/// about 1e-9 remains.
+/// Largest part of a regressor column's length that may remain after the projection on earlier columns, on
+/// which the column then depends. An exact dependency leaves about 1e-15. If the description gives angles
+/// with nine digits, about 1e-9 remains.
 const DEPENDENT: f64 = 1e-7;
 
-/// A column is treated as zero if it is shorter than this part of the longest column.
+/// A regressor column is treated as zero if it is shorter than this part of the longest column.
 const ROUNDING: f64 = 1e-13;
 
-/// Factor for rounding: coefficients below 1 keep 12 decimals, and larger coefficients keep 13 digits.
-/// Further digits are rounding errors of the factorization.
+/// Factor for rounding the coefficients of base parameters. Coefficients below 1 keep 12 decimals, and larger
+/// coefficients keep 13 digits. Further digits are rounding errors of the factorization.
 const DIGITS: f64 = 1e12;
 
-/// Coefficients with a smaller magnitude are treated as zero.
+/// Coefficients of base parameters with a smaller magnitude are treated as zero.
 const SMALLEST: f64 = 1e-10;
 
-/// Smallest number of states of the stacked regressor. A link on the base has one row per state for its ten
-/// parameters, so at least ten states are needed.
+/// Smallest number of random states at which the regressor is evaluated. A link on the base has one row per
+/// state for its ten parameters, so at least ten states are needed.
 const STATES: usize = 25;
 
 /// Number of tested values of the free parameters if the regressor depends on them.
 const VALUES: usize = 3;
 
-/// Coefficients at different values of the free parameters are equal if they differ by at most this value.
-/// The difference is relative to the larger coefficient if that coefficient is above 1. The value is about a
+/// Largest difference of coefficients at two values of the free parameters that counts as equal. The
+/// difference is relative to the larger coefficient if that coefficient is above 1. The value is about a
 /// hundred times the rounding error of the factorization.
 const SAME: f64 = 1e-9;
 
-/// Base parameters of a model, valid for almost all values of its free parameters. Special values, for
-/// example a length of zero, may reduce the number of base parameters.
+/// Base parameters (identifiable combinations of inertial parameters) of a model, valid for almost all values
+/// of its free parameters. Special values, for example a length of zero, may reduce the number of base
+/// parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaseParameters {
-    /// Indices of the leading parameter of each group, in ascending order. The base regressor has the columns
-    /// of the regressor for these parameters.
+    /// Indices of the leading inertial parameter of each group, in ascending order. The base regressor has
+    /// the columns of the regressor for these parameters.
     pub leaders: Vec<usize>,
-    /// Terms of all groups, in the order of the groups. The first term of a group is the leading parameter.
+    /// Terms of all base parameters, in the order of their groups. The first term of a group is the leading
+    /// parameter.
     pub terms: Vec<Term>,
 }
 
-/// A term of a group. The base parameter of a group is the sum of coefficient times parameter over the terms
-/// of the group.
+/// A term of a base parameter, which is the sum of coefficient times inertial parameter over its group.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Term {
-    /// Index of the group.
+    /// Index of the base parameter to which the term belongs.
     pub group: usize,
-    /// Index of the inertial parameter.
+    /// Index of the inertial parameter in the term.
     pub parameter: usize,
-    /// Factor of the parameter; `None` if it depends on free parameters.
+    /// Factor of the inertial parameter; `None` if it depends on free parameters.
     pub coefficient: Option<f64>,
 }
 
 impl BaseParameters {
-    /// Finds the base parameters of a model.
+    /// Finds the base parameters (identifiable combinations of inertial parameters) of a model.
     pub fn new(model: &Model, mechanism: &Mechanism<Number>) -> Self {
         let program = regressor_program(model, mechanism);
         let mut random = SplitMix64(0x6672_6565);
@@ -88,15 +89,15 @@ impl BaseParameters {
     }
 
     /// All terms as (group, parameter, coefficient). The base parameter of a group is β\[group\] = Σ
-    /// coefficient · π\[parameter\] with the inertial parameters π. `None` if a coefficient depends on free
+    /// coefficient · π\[parameter\] with the inertial parameters π. `None` if any coefficient depends on free
     /// parameters.
     pub fn constant_terms(&self) -> Option<Vec<(usize, usize, f64)>> {
         let terms = self.terms.iter();
         terms.map(|term| Some((term.group, term.parameter, term.coefficient?))).collect()
     }
 
-    /// Combines the results for several values of free parameters: the leaders of all results, and the
-    /// coefficients that are the same in all results.
+    /// Combines the base parameters found at several values of free parameters: the leading inertial
+    /// parameters of all results, and the coefficients that agree in all results.
     fn in_common(found: &[Self]) -> Self {
         let mut leaders: Vec<usize> = found.iter().flat_map(|one| one.leaders.clone()).collect();
         leaders.sort_unstable();
@@ -121,7 +122,7 @@ impl BaseParameters {
         Self { leaders, terms }
     }
 
-    /// Finds the base parameters from the columns of a stacked regressor.
+    /// Finds the base parameters from the columns of a regressor that is stacked over random states.
     fn of_columns(columns: &[Vec<f64>]) -> Self {
         let longest = columns.iter().map(|c| dot(c, c).sqrt()).fold(0.0, f64::max);
         let mut basis = Basis::default();
@@ -150,7 +151,7 @@ impl BaseParameters {
         Self { leaders, terms }
     }
 
-    /// Terms of each group. The first term is the leading parameter.
+    /// Terms of each base parameter. The first term is the leading inertial parameter.
     pub fn groups(&self) -> impl Iterator<Item = &[Term]> {
         self.terms.chunk_by(|a, b| a.group == b.group)
     }
@@ -172,7 +173,7 @@ fn reads_parameters(program: &Program) -> bool {
     read.any(|operand| is_parameter(&operand)) || entries.any(is_parameter)
 }
 
-/// The regressor as a program with the arguments y, v and a.
+/// The regressor of the inertial parameters as a program with the arguments y, v and a.
 fn regressor_program(model: &Model, mechanism: &Mechanism<Number>) -> Program {
     let graph = Graph::new();
     let (free, n) = (model.coordinates.len(), model.motion_count());
@@ -193,7 +194,7 @@ fn regressor_program(model: &Model, mechanism: &Mechanism<Number>) -> Program {
     lower(&graph, inputs.into(), &[output])
 }
 
-/// Columns of the regressor, stacked over all states.
+/// Columns of the regressor at random states. Each column contains the entries of all states.
 fn stacked_columns(model: &Model, program: &Program, parameters: &[f64]) -> Vec<Vec<f64>> {
     let ranges = position_ranges(model);
     let rows = model.coordinates.len();
@@ -217,9 +218,9 @@ fn stacked_columns(model: &Model, program: &Program, parameters: &[f64]) -> Vec<
     columns
 }
 
-/// Number of states that is sufficient to distinguish all columns. Each column is assigned to one row among
-/// the rows in which it is not zero: the row with the fewest non-zero columns. The number of states is at
-/// least twice the largest number of columns that are assigned to one row.
+/// Number of random states that is sufficient to distinguish all regressor columns. Each column is assigned
+/// to one row among the rows in which it is not zero: the row with the fewest non-zero columns. The number of
+/// states is at least twice the largest number of columns that are assigned to one row.
 fn state_count(entries: &[Operand], rows: usize) -> usize {
     let count = entries.len() / rows.max(1);
     let sees = |row: usize, column: usize| entries[row * count + column] != Operand::Constant(0.0);
@@ -235,7 +236,7 @@ fn state_count(entries: &[Operand], rows: usize) -> usize {
     own.iter().fold(STATES, |most, own| most.max(2 * own))
 }
 
-/// Rounds the coefficient to the digits of [`DIGITS`].
+/// Rounds a coefficient: 12 decimals below 1, otherwise 13 digits.
 fn without_rounding(coefficient: f64) -> f64 {
     match coefficient.abs() < 1.0 {
         true => (coefficient * DIGITS).round() / DIGITS,
@@ -254,19 +255,19 @@ fn position_ranges(model: &Model) -> Vec<f64> {
         .collect()
 }
 
-/// Orthonormal basis of the independent columns that were visited.
+/// Orthonormal basis of the independent regressor columns that were visited.
 #[derive(Default)]
 struct Basis {
     directions: Vec<Vec<f64>>,
-    /// Column k of the triangular matrix R contains the components of the k-th independent column in the
-    /// basis.
+    /// Column k of the triangular matrix of the orthogonalization: the components of the k-th independent
+    /// column in the basis.
     triangle: Vec<Vec<f64>>,
 }
 
 enum Projection {
-    /// The column is independent of the earlier columns.
+    /// The regressor column is independent of the earlier columns.
     Independent,
-    /// The column is the sum of the independent columns times these coefficients.
+    /// The regressor column is the sum of the independent columns times these coefficients.
     Dependent(Vec<f64>),
 }
 
@@ -296,7 +297,7 @@ impl Basis {
         Projection::Independent
     }
 
-    /// Solves `R x = shares` with the triangular matrix R.
+    /// Solves `R x = shares` with the triangular matrix R of the orthogonalization.
     fn solve(&self, mut shares: Vec<f64>) -> Vec<f64> {
         for k in (0..shares.len()).rev() {
             shares[k] /= self.triangle[k][k];

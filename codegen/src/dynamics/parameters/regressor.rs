@@ -27,7 +27,7 @@ use gelenk_formula::Formula;
 /// Number of inertial parameters of a link.
 pub const PER_LINK: usize = 10;
 
-/// Symbols of the inertial parameters of a link, in their order.
+/// Symbols of the ten inertial parameters of a link, in their order.
 pub const SYMBOLS: [&str; PER_LINK] = ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
 
 /// Drives with a rotor, that is all drives except ideal drives. Drives with an input come first, in the order
@@ -50,7 +50,7 @@ pub fn parameter_names(model: &Model) -> Vec<String> {
     links.chain(rotors).collect()
 }
 
-/// Values π of all parameters, in the order of [`parameter_names`].
+/// Values of all inertial parameters, in the order of [`parameter_names`].
 pub fn inertial_parameters<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<'g>> {
     let links = described_moments(graph, model).into_iter().flat_map(|link| {
         let (h, s) = (link.first, link.second);
@@ -61,8 +61,9 @@ pub fn inertial_parameters<'g>(graph: &'g Graph, model: &Model) -> Vec<Scalar<'g
     links.chain(rotors).collect()
 }
 
-/// Regressor W in `W π = M ÿ + k − q_gravity`. Rows have the order of the coordinates, and columns have the
-/// order of [`parameter_names`]. The mechanism must be in metres, with the masses of the description.
+/// Regressor W of the inertial parameters π in `W π = M ÿ + k − q_gravity` (inertial and Coriolis forces
+/// minus gravity). Rows have the order of the coordinates, and columns have the order of [`parameter_names`].
+/// The mechanism must be in metres, with the masses of the description.
 pub fn inertial_regressor<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     model: &Model,
@@ -110,7 +111,7 @@ struct Screw<'g> {
     motion: Motion<'g>,
 }
 
-/// For each body, the screws of all joints that move it.
+/// For each body, its motions for a unit velocity of each joint that moves it.
 fn joint_screws<'g>(mechanism: &Mechanism<Scalar<'g>>, placements: &[Placement<'g>]) -> Vec<Vec<Screw<'g>>> {
     let zero = mechanism.graph.constant(0.0);
     let mut screws: Vec<Vec<Screw<'g>>> = Vec::with_capacity(mechanism.bodies.len());
@@ -138,12 +139,12 @@ struct LinkMotion<'g> {
     rotation: nalgebra::Matrix3<f64>,
     /// Origin of the link's frame in the body's frame.
     origin: Vector3<Scalar<'g>>,
-    /// Acceleration of the origin, minus gravity.
+    /// Acceleration of the link frame's origin, minus gravity.
     acceleration: Vector3<Scalar<'g>>,
     omega: Vector3<Scalar<'g>>,
-    /// Angular acceleration ω̇.
+    /// Angular acceleration ω̇ of the link.
     angular: Vector3<Scalar<'g>>,
-    /// Matrix U = ω̇× + ω× ω×.
+    /// Matrix U = ω̇× + ω× ω× of the link. A point r accelerates by U r more than the origin.
     spread: Matrix3<'g>,
 }
 
@@ -171,7 +172,7 @@ impl<'g> LinkMotion<'g> {
         Motion { angular: rotate(&self.rotation, motion.angular), linear: rotate(&self.rotation, at_origin) }
     }
 
-    /// Power that a unit of each inertial parameter requires at the velocity `screw`.
+    /// Power that a unit of each inertial parameter requires while the link moves with the velocity `screw`.
     fn powers(&self, screw: Motion<'g>) -> [Scalar<'g>; PER_LINK] {
         let (a, u, turn) = (self.acceleration, &self.spread, screw.angular);
         let by_force = Vector3([0, 1, 2].map(|k| u.column(k).dot(screw.linear)));
@@ -181,8 +182,8 @@ impl<'g> LinkMotion<'g> {
         [mass, first[0], first[1], first[2], xx, xy, yy, xz, yz, zz]
     }
 
-    /// Moments that one unit of I_xx, I_xy, I_yy, I_xz, I_yz or I_zz requires. Most components of these
-    /// moments are entries of U.
+    /// Moments that one unit of I_xx, I_xy, I_yy, I_xz, I_yz or I_zz of a link requires. Most components are
+    /// entries of the matrix U = ω̇× + ω× ω×.
     fn inertia_moments(&self) -> [Vector3<Scalar<'g>>; 6] {
         let (u, w, e) = (&self.spread, self.omega, self.angular);
         let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
@@ -197,9 +198,10 @@ impl<'g> LinkMotion<'g> {
     }
 }
 
-/// Forces by coordinate that one unit of a rotor's axial inertia requires. The rotor has the speed
-/// `a · ω + i ẏ` about its axis a, with the angular velocity ω of its carrier and the gear ratio i. It
-/// requires the moment `a (a · ω̇ + i ÿ) + ω × a (a · ω + i ẏ)` on the carrier and the force
+/// Forces by coordinate that one unit of a rotor's axial inertia requires.
+///
+/// The rotor has the speed `a · ω + i ẏ` about its axis a, with the angular velocity ω of its carrier and the
+/// gear ratio i. It requires the moment `a (a · ω̇ + i ÿ) + ω × a (a · ω + i ẏ)` on the carrier and the force
 /// `i (a · ω̇ + i ÿ)` at its joint.
 fn rotor_column<'g>(
     mechanism: &Mechanism<Scalar<'g>>,

@@ -6,15 +6,16 @@ use super::setup::Setup;
 use crate::graph::Scalar;
 use crate::program::arrays::ArrayId;
 
-/// Arrays of the bodies' motions, inertias and forces, in the base frame.
+/// Arrays over joints with the bodies' motions, inertias and forces, in the base frame.
 pub(super) struct Motions {
     /// Velocity that each joint adds to the velocity of its parent.
     pub joint_velocity: ArrayId,
     pub velocity: ArrayId,
-    /// Rate Ṡ of the joint's screw S. It is equal to Ψ̇ (see [`super`]) for robots without quaternions.
+    /// Rate of the joint's screw. The screw is the motion of the joint's body for a unit of the joint's
+    /// velocity.
     pub screw_rate: ArrayId,
-    /// Acceleration a minus gravity. For the inverse dynamics, it contains the joints' accelerations. For the
-    /// forward dynamics, it contains only velocity terms.
+    /// Acceleration of each body minus gravity. For the inverse dynamics, it contains the joints'
+    /// accelerations. For the forward dynamics, it contains only velocity terms.
     pub acceleration: ArrayId,
     /// Acceleration that each joint adds to the acceleration of its parent.
     pub joint_acceleration: ArrayId,
@@ -22,15 +23,15 @@ pub(super) struct Motions {
     pub force: ArrayId,
 }
 
-/// Arrays of sums over all bodies beyond each joint.
+/// Arrays with sums of inertia, momentum rate and force over all bodies beyond each joint.
 pub(super) struct Composites {
     pub inertia: ArrayId,
     pub flow: ArrayId,
     pub force: ArrayId,
 }
 
-/// Computes the rows of one body: inertia, momentum, rate of the screw, acceleration that the joint adds, and
-/// rate of the momentum.
+/// Computes the rows of one body: inertia, moments of its velocity, rate of the joint's screw, acceleration
+/// that the joint adds, and rate of the momentum.
 fn body_in_motion<'g>(
     [axes, origin, moments, screw, rate, gravity, velocity]: [&Rows<'g>; 7],
     acceleration: Option<Scalar<'g>>,
@@ -54,7 +55,7 @@ fn body_in_motion<'g>(
 }
 
 /// Adds steps that compute velocities, accelerations and forces of the bodies. The second result is the array
-/// of `2 ∫ ṙ dm` and `2 ∫ ṙ rᵀ dm` of each body.
+/// of each body's moments `2 ∫ ṙ dm` and `2 ∫ ṙ rᵀ dm` with the points r of the body.
 pub(super) fn move_bodies(
     builder: &mut ArrayBuilder,
     setup: &Setup,

@@ -1,4 +1,4 @@
-//! Builder of functions in array form: straight-line code (the setup) is followed by loops over joints (the
+//! Builder of functions in array form: straight-line code (the setup) followed by loops over joints (the
 //! steps). An array has one column per joint or coordinate, and one or more rows.
 
 use crate::graph::{Edge, Graph, Scalar};
@@ -11,14 +11,16 @@ use crate::program::{GraphOutput, InputArray, Program, Shape, lower, lower_from_
 /// The values of an array at one joint, one for each row.
 pub(super) type Rows<'g> = [Scalar<'g>];
 
-/// An array form under construction.
+/// A function with loops over joints (array form) under construction: straight-line code, then loops.
 pub(super) struct ArrayBuilder {
     form: Arrays,
-    /// Arrays that the setup computes.
+    /// Arrays that the straight-line code before the loops computes.
     set_up: Vec<GraphOutput>,
 }
 
 impl ArrayBuilder {
+    /// Starts a function with loops over joints, without arrays and loops.
+    ///
     /// - `joints`: tree of the joints
     /// - `coordinates`: coordinates that the joints follow; `None` if each joint is independent
     /// - `chains`: for each joint with a quaternion, the joints of the loops that are its velocities
@@ -38,12 +40,12 @@ impl ArrayBuilder {
         }
     }
 
-    /// Extent of an array with one entry per coordinate.
+    /// Length and meaning of an array with one entry per coordinate.
     pub(super) fn each_coordinate(&self) -> Extent {
         Extent::new(Dimension::Velocities, self.form.coordinates().len())
     }
 
-    /// Extent of an array with one entry per joint.
+    /// Length and meaning of an array with one entry per joint of the loops.
     fn each_joint(&self) -> Extent {
         match self.form.coordinates {
             None => self.each_coordinate(),
@@ -56,12 +58,12 @@ impl ArrayBuilder {
         self.form.arrays.len() - 1
     }
 
-    /// Declares an array over joints.
+    /// Declares an array with `rows` values per joint.
     fn array(&mut self, name: &str, rows: usize) -> ArrayId {
         self.array_over(Over::Joints, name, rows)
     }
 
-    /// Declares an array over coordinates.
+    /// Declares an array with `rows` values per coordinate.
     fn of_coordinates(&mut self, name: &str, rows: usize) -> ArrayId {
         let over = if self.form.coordinates.is_some() { Over::Coordinates } else { Over::Joints };
         self.array_over(over, name, rows)
@@ -72,7 +74,7 @@ impl ArrayBuilder {
         self.of_coordinates(name, self.form.coordinates().len())
     }
 
-    /// Computes an array over joints in the setup.
+    /// Computes an array with values per joint in the straight-line code before the loops.
     pub(super) fn set_up(&mut self, name: &str, rows: Vec<Vec<Scalar<'_>>>) -> ArrayId {
         self.set_up.push(GraphOutput {
             name: name.to_owned(),
@@ -82,7 +84,8 @@ impl ArrayBuilder {
         self.array(name, rows.len())
     }
 
-    /// Computes a matrix over coordinates in the setup. Each joint must be independent.
+    /// Computes a matrix over coordinates in the straight-line code before the loops. Each joint must be
+    /// independent.
     pub(super) fn set_up_matrix(&mut self, name: &str, matrix: Vec<Vec<Scalar<'_>>>) -> ArrayId {
         let array = self.set_up(name, matrix);
         let n = self.each_coordinate();
@@ -90,8 +93,8 @@ impl ArrayBuilder {
         array
     }
 
-    /// Adds a step that computes arrays with the same code at each joint. `build` computes the values of the
-    /// arrays `writes` at a joint from the values of the arrays `reads` at this joint.
+    /// Adds a loop (step) that computes arrays with the same code at each joint. `build` computes the values
+    /// of the arrays `writes` at a joint from the values of the arrays `reads` at this joint.
     pub(super) fn map<const R: usize, const W: usize>(
         &mut self,
         name: &str,
@@ -130,21 +133,22 @@ impl ArrayBuilder {
         written
     }
 
-    /// Adds a step that sums an array along the path from the base to each joint.
+    /// Adds a loop (step) that sums an array along the path from the base to each joint.
     pub(super) fn sum_ancestors(&mut self, from: ArrayId, name: &str) -> ArrayId {
         let to = self.array(name, self.form.arrays[from].rows);
         self.form.steps.push(Step::SumAncestors { from, to });
         to
     }
 
-    /// Adds a step that sums an array over the subtree of each joint.
+    /// Adds a loop (step) that sums an array over the subtree of each joint.
     pub(super) fn sum_subtrees(&mut self, from: ArrayId, name: &str) -> ArrayId {
         let to = self.array(name, self.form.arrays[from].rows);
         self.form.steps.push(Step::SumSubtrees { from, to });
         to
     }
 
-    /// Adds a step that computes a matrix over pairs of joints. [`Pairs`] defines the entries.
+    /// Adds a loop (step) that computes a matrix over pairs of joints. [`Pairs`] defines the entries as
+    /// products of columns.
     pub(super) fn pairs(
         &mut self,
         before: (ArrayId, ArrayId),
@@ -157,8 +161,8 @@ impl ArrayBuilder {
         to
     }
 
-    /// Adds a step that sums an array over joints to an array over coordinates. Returns the array itself if
-    /// each joint is independent.
+    /// Adds a loop (step) that sums an array over joints to an array over coordinates. Returns the array
+    /// itself if each joint is independent.
     pub(super) fn collect(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if self.form.coordinates.is_none() {
             return from;
@@ -168,8 +172,8 @@ impl ArrayBuilder {
         to
     }
 
-    /// Adds a step that sums a matrix over pairs of joints to a matrix over pairs of coordinates. Returns the
-    /// matrix itself if each joint is independent.
+    /// Adds a loop (step) that sums a matrix over pairs of joints to a matrix over pairs of coordinates.
+    /// Returns the matrix itself if each joint is independent.
     pub(super) fn project(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if self.form.coordinates.is_none() {
             return from;
@@ -179,8 +183,8 @@ impl ArrayBuilder {
         to
     }
 
-    /// Adds a step that copies an array over coordinates to an array over joints. Returns the array itself if
-    /// each joint is independent.
+    /// Adds a loop (step) that copies an array over coordinates to an array over joints. Returns the array
+    /// itself if each joint is independent.
     pub(super) fn spread(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if self.form.coordinates.is_none() {
             return from;
@@ -195,15 +199,15 @@ impl ArrayBuilder {
         !self.form.chains.is_empty()
     }
 
-    /// Adds a step that copies to each joint the values of the joint that carries it. Joints on the base get
-    /// zeros.
+    /// Adds a loop (step) that copies to each joint the values of the joint that carries it. Joints on the
+    /// base get zeros.
     pub(super) fn gather_carriers(&mut self, from: ArrayId, name: &str) -> ArrayId {
         let to = self.array(name, self.form.arrays[from].rows);
         self.form.steps.push(Step::GatherCarriers { from, to });
         to
     }
 
-    /// Adds a step that copies values from the last velocity of each joint with a quaternion to all
+    /// Adds a loop (step) that copies values from the last velocity of each joint with a quaternion to all
     /// velocities of this joint. Returns the array itself for robots without quaternions.
     pub(super) fn gather_last(&mut self, from: ArrayId, name: &str) -> ArrayId {
         if !self.has_quaternions() {
@@ -214,7 +218,7 @@ impl ArrayBuilder {
         to
     }
 
-    /// Adds a step that computes `matrix − other`. `other` must have exactly one row per coordinate.
+    /// Adds a loop (step) that computes `matrix − other`. `other` must have exactly one row per coordinate.
     pub(super) fn subtract(&mut self, matrix: ArrayId, other: ArrayId, [step, name]: [&str; 2]) -> ArrayId {
         let (rows, n) = (self.form.joints.len(), self.form.coordinates().len());
         let about = format!("Subtracts `{}`.", self.form.arrays[other].name);
@@ -225,40 +229,40 @@ impl ArrayBuilder {
         difference
     }
 
-    /// Adds a step that inverts a matrix over coordinates. The matrix must have the same zeros as the mass
-    /// matrix.
+    /// Adds a loop (step) that inverts a matrix over coordinates. The matrix must have the same zeros as the
+    /// mass matrix.
     pub(super) fn invert(&mut self, from: ArrayId, name: &str) -> ArrayId {
         let to = self.matrix(name);
         self.form.steps.push(Step::Invert { from, to });
         to
     }
 
-    /// Adds a step that computes the product `−left · right` of two matrices over coordinates.
+    /// Adds a loop (step) that computes the product `−left · right` of two matrices over coordinates.
     pub(super) fn negative_product(&mut self, left: ArrayId, right: ArrayId, name: &str) -> ArrayId {
         let to = self.matrix(name);
         self.form.steps.push(Step::NegativeProduct { left, right, to });
         to
     }
 
-    /// Adds a step that multiplies a symmetric matrix and a vector over coordinates.
+    /// Adds a loop (step) that multiplies a symmetric matrix and a vector over coordinates.
     pub(super) fn apply(&mut self, matrix: ArrayId, vector: ArrayId, name: &str) -> ArrayId {
         let to = self.of_coordinates(name, 1);
         self.form.steps.push(Step::Apply { matrix, vector, to });
         to
     }
 
-    /// Declares an array as a result.
+    /// Declares an array as a result of the function.
     pub(super) fn output(&mut self, name: &str, shape: Shape, array: ArrayId) {
         self.form.outputs.push(ArrayOutput { name: name.to_owned(), shape, array });
     }
 
-    /// Finishes the array form. The setup becomes a straight-line program of the graph's scalars.
+    /// Finishes the array form. The expressions before the loops become a straight-line program.
     pub(super) fn finish(self, graph: &Graph, inputs: Vec<InputArray>) -> Arrays {
         Arrays { setup: lower(graph, inputs, &self.set_up), ..self.form }
     }
 
-    /// Finishes an array form with a long setup. The setup's program computes all values of a branch before
-    /// the next branch.
+    /// Finishes an array form with long straight-line code before the loops. This code computes all values of
+    /// a branch before the next branch.
     pub(super) fn finish_from_leaves(self, graph: &Graph, inputs: Vec<InputArray>) -> Arrays {
         Arrays { setup: lower_from_leaves(graph, inputs, &self.set_up), ..self.form }
     }

@@ -7,7 +7,7 @@ use crate::graph::Scalar;
 use crate::program::arrays::ArrayId;
 use crate::spatial::Motion;
 
-/// Adds the array of the inverse dynamics `M ÿ + k − q`, by coordinate.
+/// Adds the array of the inverse dynamics `M ÿ + k − q` (required minus applied forces), by coordinate.
 pub(super) fn joint_forces(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     let forces = forces_at_joints(builder, moving);
     builder.collect(forces, "forces_at_coordinates")
@@ -37,7 +37,8 @@ fn forces_at_joints(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     forces
 }
 
-/// Adds the array of the forces that accelerate the coordinates: driving forces minus `k − q_gravity`.
+/// Adds the array of the forces that accelerate the coordinates: driving forces minus Coriolis forces, plus
+/// gravity.
 pub(super) fn remaining_forces(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayId {
     let remaining = remaining_at_joints(builder, moving);
     builder.collect(remaining, "remaining_at_coordinates")
@@ -84,17 +85,20 @@ pub(super) fn mass_matrix(builder: &mut ArrayBuilder, moving: &Moving) -> ArrayI
     builder.project(mass, "mass_matrix_of_coordinates")
 }
 
-/// Effect of a unit of a joint's coordinate and velocity on the motion of the bodies beyond the joint.
+/// Effect of a unit displacement and unit velocity of a joint on the motion of the bodies beyond the joint.
 struct Displacement<'g> {
-    /// Rate Ψ̇ of the screw, defined in [`super`].
+    /// Rate `v × S` of the joint's screw S (motion per unit of the joint's velocity). v is the velocity of
+    /// the joint's body, or of the joint's carrier if the robot has quaternions.
     rate: Motion<'g>,
-    /// Acceleration Ψ̈, defined in [`super`].
+    /// Acceleration `a × S + v × Ṡ` of the joint's screw S with the rate `Ṡ = v × S`. v and a are the
+    /// velocity and acceleration of the joint's body, or of its carrier if the robot has quaternions.
     accelerated: Motion<'g>,
-    /// Sum Ψ̇ + Ṡ.
+    /// Sum of two rates of the joint's screw S: `v × S` with the velocity v of the joint's body, and
+    /// [`Self::rate`].
     twice: Motion<'g>,
 }
 
-/// Values of the composite body beyond a joint.
+/// Inertia, velocity moments and force of all bodies beyond a joint.
 #[derive(Clone, Copy)]
 struct Carried<'a, 'g> {
     inertia: &'a Rows<'g>,
@@ -113,7 +117,7 @@ const DISTURBANCES: [(&str, usize); 7] = [
     ("own_damping", 1),
 ];
 
-/// Computes the values of one joint from which the Jacobians are computed.
+/// Computes, at one joint, the columns and diagonal entries from which the Jacobians are computed.
 fn disturb<'g>(
     screw: Motion<'g>,
     Carried { inertia, flow, force }: Carried<'_, 'g>,
@@ -169,7 +173,7 @@ fn disturbances(builder: &mut ArrayBuilder, moving: &Moving) -> [ArrayId; 7] {
 }
 
 /// Adds the arrays of [`disturbances`] for robots with quaternions. All velocities of a joint use the motion
-/// of the joint's carrier.
+/// of the body that carries the joint.
 fn disturbances_on_carriers(
     builder: &mut ArrayBuilder,
     moving: &Moving,
@@ -207,7 +211,7 @@ fn disturbances_on_carriers(
     )
 }
 
-/// Adds the Jacobians of the inverse dynamics with respect to y and ẏ, as matrices over coordinates.
+/// Adds the Jacobians of the inverse dynamics with respect to y and ẏ as square matrices over coordinates.
 pub(super) fn jacobians(builder: &mut ArrayBuilder, moving: &Moving) -> (ArrayId, ArrayId) {
     let Moving { setup, rotors, .. } = moving;
     let [gains, by_coordinate, by_velocity, stiffness, damping, own_stiffness, own_damping] =

@@ -53,15 +53,15 @@ use crate::kinematics::{Mechanism, Number};
 use crate::program::arrays::Arrays;
 use crate::program::{InputArray, Shape};
 
-/// Whether functions of a mechanism without driven joints can be written as loops over joints. This is always
-/// possible if a joint follows another joint or has a quaternion. Otherwise each rotor must be on the parent
-/// body of the joint that it turns with.
+/// Whether functions of a mechanism without prescribed motions can be written as loops over joints. This is
+/// always possible if a joint follows another joint or has a quaternion. Otherwise each rotor must be on the
+/// parent body of the joint that it turns with.
 pub fn is_possible(mechanism: &Mechanism<Number>) -> bool {
     !mechanism.bodies.is_empty()
         && (mechanism.is_coupled() || mechanism.has_quaternions() || mechanism.rotors_are_neighbours())
 }
 
-/// Array form of the function `inverse_dynamics_derivatives`.
+/// Array form of the function `inverse_dynamics_derivatives`: straight-line code, then loops over joints.
 pub fn inverse_dynamics_derivatives<'g>(
     equations: &Equations<'_, 'g>,
     arguments: &Arguments<'g>,
@@ -71,7 +71,8 @@ pub fn inverse_dynamics_derivatives<'g>(
     builder.finish(equations.graph, inputs)
 }
 
-/// Array form of the function `inverse_dynamics_derivatives_and_mass_matrix`.
+/// Array form of the function `inverse_dynamics_derivatives_and_mass_matrix`: straight-line code, then loops
+/// over joints.
 pub fn inverse_dynamics_derivatives_and_mass_matrix<'g>(
     equations: &Equations<'_, 'g>,
     arguments: &Arguments<'g>,
@@ -84,7 +85,7 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix<'g>(
     builder.finish(equations.graph, inputs)
 }
 
-/// Begins an array form with its setup.
+/// Begins an array form with the straight-line code before its loops.
 fn begin<'g>(
     equations: &Equations<'_, 'g>,
     arguments: &Arguments<'g>,
@@ -99,8 +100,8 @@ fn begin<'g>(
     (builder, setup)
 }
 
-/// Begins an array form with the inverse dynamics and their Jacobians. Also returns the arrays from which M
-/// is computed.
+/// Begins an array form with the inverse dynamics and their Jacobians. Also returns the arrays from which the
+/// mass matrix is computed.
 fn inverse_dynamics_and_jacobians<'g>(
     equations: &Equations<'_, 'g>,
     arguments: &Arguments<'g>,
@@ -116,7 +117,7 @@ fn inverse_dynamics_and_jacobians<'g>(
     (builder, moving)
 }
 
-/// Array form of the function `forward_dynamics_derivatives`.
+/// Array form of the function `forward_dynamics_derivatives`: straight-line code, then loops over joints.
 pub fn forward_dynamics_derivatives<'g>(
     equations: &Equations<'_, 'g>,
     arguments: &Arguments<'g>,

@@ -7,7 +7,7 @@ use super::rows::{flat, force_of, moments_of, motion_of};
 use super::setup::Setup;
 use crate::program::arrays::ArrayId;
 
-/// Arrays of the robot's motion and forces.
+/// Arrays over joints with the robot's motion and forces.
 pub(super) struct Moving {
     pub setup: Setup,
     pub motions: Motions,
@@ -17,8 +17,8 @@ pub(super) struct Moving {
     pub composites: Composites,
 }
 
-/// Adds the motion and forces of all bodies. They include the accelerations of the setup if `is_accelerated`
-/// is true; otherwise ÿ is 0.
+/// Adds the motion and forces of all bodies. They include the given accelerations if `is_accelerated` is
+/// true; otherwise ÿ is 0.
 pub(super) fn set_moving(builder: &mut ArrayBuilder, setup: Setup, is_accelerated: bool) -> Moving {
     let (motions, flow) = move_bodies(builder, &setup, is_accelerated);
     let rotors = Rotors::new(builder, &setup, &motions);

@@ -1,9 +1,8 @@
 //! Jacobians of the forward dynamics with loops only for the products with M⁻¹.
 //!
 //! If branches are short, most entries of M and of the Jacobians of the inverse dynamics are zero, and
-//! straight-line code omits these entries. Therefore M, the accelerations, M⁻¹ and the Jacobians of the
-//! inverse dynamics are straight-line code. M⁻¹ is dense if the base moves, so the products with M⁻¹ are
-//! loops.
+//! straight-line code omits them. Therefore M, M⁻¹, the accelerations and the Jacobians of the inverse
+//! dynamics are straight-line code. M⁻¹ is dense if the base moves, so the products with M⁻¹ are loops.
 
 use super::builder::ArrayBuilder;
 use super::tree::LoopJoints;
@@ -13,7 +12,8 @@ use crate::kinematics::{Mechanism, Number};
 use crate::program::arrays::{ArrayId, Arrays};
 use crate::program::{InputArray, Shape};
 
-/// Whether each joint of the loops is independent, which the functions of this module require.
+/// Whether each joint of the mechanism is independent. [`forward_dynamics_derivatives_by_products`] requires
+/// this.
 pub fn products_are_possible(mechanism: &Mechanism<Number>) -> bool {
     LoopJoints::new(mechanism).coordinates(mechanism).is_none()
 }
@@ -38,7 +38,7 @@ pub fn forward_dynamics_derivatives_by_products<'g>(
     builder.finish_from_leaves(equations.graph, inputs)
 }
 
-/// Declares the results `ÿ`, `∂ÿ/∂y = −M⁻¹ ∂n/∂y`, `∂ÿ/∂ẏ = −M⁻¹ ∂n/∂ẏ` and `M⁻¹`.
+/// Declares the results `ÿ`, `∂ÿ/∂y = −M⁻¹ ∂n/∂y`, `∂ÿ/∂ẏ = −M⁻¹ ∂n/∂ẏ` and the inverse mass matrix `M⁻¹`.
 ///
 /// - `forces`: derivatives ∂n/∂y and ∂n/∂ẏ of the forces n that the accelerations require
 pub(super) fn put_derivatives(

@@ -14,18 +14,21 @@ use crate::graph::Scalar;
 use crate::program::arrays::ArrayId;
 use crate::spatial::{Force, Matrix3, Vector3};
 
-/// Arrays of the rotors' motion.
+/// Arrays of the rotors' motion, with entries by joint.
 pub(super) struct Rotors {
-    /// Momentum h = i J a per unit of the joint's velocity.
+    /// Momentum h = i J a of a rotor per unit of its joint's velocity, with the gear ratio i, axial inertia J
+    /// and axis a.
     momentum: ArrayId,
-    /// ω × h with the angular velocity ω of the parent.
+    /// Vector ω × h with the angular velocity ω of the body that carries the rotor. h is the rotor's momentum
+    /// per unit of the joint's velocity.
     swept: ArrayId,
-    /// Momentum ẏ h of the rotor's spin.
+    /// Momentum ẏ h of the rotor's spin, with the joint's velocity ẏ and the rotor's momentum h per unit of
+    /// this velocity.
     spin: ArrayId,
 }
 
 impl Rotors {
-    /// Adds the arrays of the rotors; `None` if no moving body carries a rotor.
+    /// Adds the arrays of the rotors' motion; `None` if no moving body carries a rotor.
     pub fn new(builder: &mut ArrayBuilder, setup: &Setup, motions: &Motions) -> Option<Self> {
         let momentum = setup.momenta?;
         let [swept, spin] = builder.map(
@@ -42,7 +45,8 @@ impl Rotors {
         Some(Self { momentum, swept, spin })
     }
 
-    /// Moments `ÿ h + ẏ ω × h` on the bodies that carry rotors, by joint.
+    /// Moments `ÿ h + ẏ ω × h` on the bodies that carry rotors, by joint. h is the rotor's momentum per unit
+    /// of its joint's velocity ẏ, and ω the body's angular velocity.
     pub fn moments(&self, builder: &mut ArrayBuilder, setup: &Setup, accelerations: ArrayId) -> ArrayId {
         let [moments] = builder.map(
             "rotor_moments",
@@ -57,7 +61,8 @@ impl Rotors {
         moments
     }
 
-    /// Moments `ẏ ω × h` on the bodies that carry rotors at ÿ = 0, by joint.
+    /// Moments `ẏ ω × h` on the bodies that carry rotors at ÿ = 0, by joint. h is the rotor's momentum per
+    /// unit of its joint's velocity ẏ, and ω the body's angular velocity.
     pub fn steady_moments(&self, builder: &mut ArrayBuilder, setup: &Setup) -> ArrayId {
         let [moments] = builder.map(
             "steady_rotor_moments",
@@ -69,7 +74,8 @@ impl Rotors {
         moments
     }
 
-    /// Contribution `ÿ h` of the accelerations to the moments, by joint.
+    /// Part `ÿ h` of the rotors' moments on their carriers that the accelerations ÿ add, by joint. h is the
+    /// rotor's momentum per unit of its joint's velocity.
     pub fn added_moments(&self, builder: &mut ArrayBuilder, accelerations: ArrayId) -> ArrayId {
         let [moments] = builder.map(
             "added_rotor_moments",
@@ -98,7 +104,7 @@ impl Rotors {
         force
     }
 
-    /// Adds the rotors to the forces and angular momenta of the composite bodies.
+    /// Adds the rotors to the force and the velocity moments of all bodies beyond each joint.
     pub fn complete(&self, builder: &mut ArrayBuilder, bodies: Composites, moments: ArrayId) -> Composites {
         let force = Self::add_moments(builder, bodies.force, moments);
         let sum = builder.sum_subtrees(self.spin, "composite_rotor_spin");
@@ -116,8 +122,8 @@ impl Rotors {
         Composites { force, flow, ..bodies }
     }
 
-    /// Forces `h · ω̇` on the joints that are caused by the angular accelerations ω̇ of the bodies before the
-    /// joints.
+    /// Forces `h · ω̇` at the joints that turn rotors, caused by the angular accelerations ω̇ of the rotors'
+    /// carriers. h is the rotor's momentum per unit of the joint's velocity.
     pub fn carried(&self, builder: &mut ArrayBuilder, motions: &Motions) -> ArrayId {
         let [carried] = builder.map(
             "carried_rotors",
@@ -132,7 +138,8 @@ impl Rotors {
         carried
     }
 
-    /// Adds `h` to the moments that a unit acceleration of each joint requires at the joints before it.
+    /// Adds the rotor's momentum per unit of the joint's velocity to the moment that a unit acceleration of
+    /// this joint requires at the joints before it.
     pub fn add_momentum(&self, builder: &mut ArrayBuilder, needed: ArrayId) -> ArrayId {
         let [needed] = builder.map(
             "unit_accelerations_with_rotors",
@@ -145,7 +152,8 @@ impl Rotors {
     }
 
     /// Adds the rotors to the columns of the Jacobians: `ω × h` to the effect of δω, `h` to the effect of
-    /// δω̇, and `ω × h` to the damping.
+    /// δω̇, and `ω × h` to the damping. h is the rotor's momentum per unit of its joint's velocity, and ω the
+    /// carrier's angular velocity.
     pub fn add_to_columns(
         &self,
         builder: &mut ArrayBuilder,

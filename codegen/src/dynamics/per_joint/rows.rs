@@ -1,4 +1,4 @@
-//! Conversion between rows of arrays and vectors, motions, forces and masses.
+//! Conversion between rows of arrays and spatial vectors, matrices and moments of mass.
 
 use super::builder::Rows;
 use crate::graph::Scalar;
@@ -59,7 +59,7 @@ pub(super) fn moved<'g>(
     }
 }
 
-/// The moments `2 ∫ ṙ dm` and `2 ∫ ṙ rᵀ dm` of a moving body about the base's origin.
+/// The moments `2 ∫ ṙ dm` and `2 ∫ ṙ rᵀ dm` of a moving body with points r, about the base's origin.
 pub(super) fn flow_of<'g>(
     moments: &MassMoments<Scalar<'g>>,
     velocity: Motion<'g>,
@@ -72,9 +72,9 @@ pub(super) fn flow_of<'g>(
     )
 }
 
-/// Force `2B s` for a motion s, computed from the angular part of s; [`super`] defines B.
+/// Force that the velocities ṙ of a body's points add for a motion with the angular part `angular`.
 ///
-/// - `spin`: tr 2K − 2K with 2K = 2 ∫ ṙ rᵀ dm
+/// - `spin`: tr(A) 1 − A with A = 2 ∫ ṙ rᵀ dm
 /// - `momentum`: 2 ∫ ṙ dm
 pub(super) fn swept<'g>(
     spin: &Matrix3<'g>,

@@ -13,7 +13,7 @@ use crate::kinematics::{JointAxis, Mechanism};
 use crate::program::arrays::ArrayId;
 use crate::spatial::{MassMoments, Motion, Vector3};
 
-/// Arrays that the setup computes for each joint.
+/// Arrays that the straight-line code before the loops computes for each joint.
 pub(super) struct Setup {
     pub screws: ArrayId,
     pub axes: ArrayId,
@@ -24,16 +24,18 @@ pub(super) struct Setup {
     /// Acceleration of the base that replaces gravity, at joints on the base; `None` for robots without
     /// quaternions.
     pub base_acceleration: Option<ArrayId>,
-    /// Inertias i² J of rotors on the diagonal of M, with the gear ratio i and the axial inertia J.
+    /// Inertias i² J of rotors on the diagonal of the mass matrix, with the gear ratio i and the axial
+    /// inertia J.
     pub rotors: ArrayId,
-    /// Accelerations or driving forces, see [`Last`].
+    /// Accelerations of all joints, or driving forces of the independent joints; see [`Last`].
     pub last: ArrayId,
-    /// Springs and friction at a joint in three rows: derivative with respect to its y, derivative with
-    /// respect to its ẏ, and force.
+    /// Springs and friction at a joint in three rows: derivatives of the force with respect to the joint's
+    /// position and velocity, then the force.
     pub joint_forces: ArrayId,
     /// Derivatives of springs and friction by other coordinates; `None` if all of them are zero.
     pub coupled_forces: Option<CoupledForces>,
-    /// Momenta i J a of rotors on the parent bodies of their joints; `None` if there are no such rotors.
+    /// Momenta i J a of rotors on the parent bodies of their joints, with gear ratio i, axial inertia J and
+    /// axis a; `None` if there are no such rotors.
     pub momenta: Option<ArrayId>,
 }
 
@@ -43,16 +45,16 @@ pub(super) struct CoupledForces {
     pub by_velocities: ArrayId,
 }
 
-/// Last argument of the function: accelerations or driving forces.
+/// Last argument of a function in array form: accelerations or driving forces.
 pub(super) enum Last<'g> {
-    /// Accelerations of the coordinates. A follower has the acceleration of its coordinate, because its screw
-    /// contains the ratio.
+    /// Accelerations of the coordinates. A joint that follows a coordinate has the coordinate's acceleration
+    /// here, because its motion per unit contains the ratio.
     Accelerations(Vec<Scalar<'g>>),
-    /// Driving forces of the coordinates. They act only at the independent joints.
+    /// Driving forces of the coordinates. They act only at the joints that are coordinates themselves.
     DrivingForces(Vec<Scalar<'g>>),
 }
 
-/// Computes the arrays of the setup.
+/// Computes the arrays of the straight-line code before the loops.
 pub(super) fn set_up<'g>(
     builder: &mut ArrayBuilder,
     equations: &Equations<'_, 'g>,
@@ -99,7 +101,7 @@ pub(super) fn set_up<'g>(
     }
 }
 
-/// Fills arrays that have an entry for each joint of the loops.
+/// Fills arrays with values for each joint of the loops.
 struct Rows<'a, 'g> {
     builder: &'a mut ArrayBuilder,
     loops: &'a LoopJoints<Scalar<'g>>,
@@ -138,15 +140,15 @@ impl<'g> Rows<'_, 'g> {
     }
 }
 
-/// A mechanism with the joints of the loops.
+/// A mechanism together with its joints as the loops over joints use them.
 pub(super) struct Joints<'a, 'g> {
     pub mechanism: &'a Mechanism<Scalar<'g>>,
     pub loops: &'a LoopJoints<Scalar<'g>>,
 }
 
 impl<'g> Joints<'_, 'g> {
-    /// Whether a joint of the loops is on the base. For a velocity of a joint with a quaternion, this refers
-    /// to the whole joint.
+    /// Whether a joint of the loops is on the base. For one velocity of a joint with a quaternion, the answer
+    /// is that of the whole joint.
     fn is_on_base(&self, joint: usize) -> bool {
         let first = match self.loops.list[joint].moved {
             // Each body of a chain follows one coordinate, so the joints of the chain are adjacent in the
@@ -170,7 +172,7 @@ impl<'g> Joints<'_, 'g> {
         }
     }
 
-    /// Motion in the base frame for a unit of the coordinate's velocity.
+    /// Motion of the joint's body in the base frame for a unit of the coordinate's velocity.
     fn screw(&self, poses: &BasePoses<'g>, joint: usize) -> Motion<'g> {
         let LoopJoint { moved, follows, .. } = self.loops.list[joint];
         let pose = self.pose(poses, joint);
@@ -187,7 +189,7 @@ impl<'g> Joints<'_, 'g> {
         }
     }
 
-    /// Moments of the mass that a joint moves, without bodies beyond the joint's body. If a rotor is a joint
+    /// Moments of mass of the body that a joint moves, without bodies beyond this body. If a rotor is a joint
     /// of the loops, its inertia is subtracted from its carrier.
     fn moments(&self, joint: usize) -> MassMoments<Scalar<'g>> {
         let LoopJoint { moved, is_last, .. } = self.loops.list[joint];
@@ -232,14 +234,15 @@ impl<'a, 'g> JointForces<'a, 'g> {
         ]
     }
 
-    /// Derivatives of the force on a coordinate by the position and velocity of this coordinate, then the
-    /// force.
+    /// Derivatives of the force on a coordinate with respect to the position and velocity of this coordinate,
+    /// then the force.
     fn own(&self, coordinate: usize) -> [Scalar<'g>; 3] {
         let [by_position, by_velocity] = self.by(coordinate, coordinate);
         [by_position, by_velocity, self.forces[coordinate]]
     }
 
-    /// Derivatives with respect to the positions and velocities of other coordinates; `None` if all of them are zero.
+    /// Derivatives of spring and friction forces with respect to the positions and velocities of other
+    /// coordinates; `None` if all of them are zero.
     fn coupled(&self) -> Option<[Matrix<'g>; 2]> {
         if self.equations.forces_are_local() {
             return None;
@@ -258,7 +261,8 @@ impl<'a, 'g> JointForces<'a, 'g> {
     }
 }
 
-/// Inertias i² J of the rotors on the diagonal of M, by coordinate.
+/// Inertias i² J of the rotors on the diagonal of the mass matrix, by coordinate. i is the gear ratio, J the
+/// axial inertia.
 fn rotor_inertia<'g>(joints: &Joints<'_, 'g>) -> Vec<Scalar<'g>> {
     let Joints { mechanism, loops } = joints;
     let n = mechanism.coordinates;
@@ -269,8 +273,8 @@ fn rotor_inertia<'g>(joints: &Joints<'_, 'g>) -> Vec<Scalar<'g>> {
     (0..n).map(|coordinate| matrix[coordinate][coordinate]).collect()
 }
 
-/// Momenta `i J a` in the base frame of the rotors on the parent bodies of the joints that they drive, by
-/// joint; `None` if there are no such rotors.
+/// Momenta `i J a` of rotors on the parent bodies of their joints, in the base frame and by joint. i is the
+/// gear ratio, J the axial inertia and a the axis. `None` if there are no such rotors.
 fn rotor_momenta<'g>(joints: &Joints<'_, 'g>, poses: &BasePoses<'g>) -> Option<Vec<Vector3<Scalar<'g>>>> {
     let Joints { mechanism, loops } = joints;
     let mut momenta = vec![Vector3::zero(mechanism.graph.constant(0.0)); loops.list.len()];

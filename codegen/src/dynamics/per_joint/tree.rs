@@ -16,19 +16,20 @@
 use crate::kinematics::{Followed, Mechanism, Numbers, Rotor};
 use crate::program::arrays::{Coordinates, Tree};
 
-/// A joint of the loops.
+/// A joint of the loops over joints, which follows exactly one coordinate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LoopJoint<S> {
-    /// Object that the joint moves.
+    /// Body or rotor that the joint moves.
     pub moved: Moved,
     /// Coordinate that the joint follows, with the ratio of the joint's motion to the motion of the
     /// coordinate.
     pub follows: Followed<S>,
-    /// Whether the joint is the last of its series. Only the last joint carries the mass.
+    /// Whether the joint is the last of the joints that replace one joint of the robot. Only the last joint
+    /// carries the mass.
     pub is_last: bool,
 }
 
-/// Object that a joint of the loops moves.
+/// Object that a joint of the loops moves: a body or a rotor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Moved {
     /// The body with this index in the mechanism.
@@ -37,20 +38,20 @@ pub(super) enum Moved {
     Rotor(usize),
 }
 
-/// All joints of the loops.
+/// All joints of the loops over joints, with their tree.
 pub(super) struct LoopJoints<S> {
-    /// The joints, parents first.
+    /// The joints of the loops. Parents precede children.
     pub list: Vec<LoopJoint<S>>,
-    /// Position of each joint in arrays.
+    /// Position of each joint's entry in arrays.
     pub places: Vec<usize>,
-    /// Tree of the joints, by the positions in arrays.
+    /// Tree of the joints, indexed by their positions in arrays.
     pub tree: Tree,
-    /// For each rotor, the joint that turns the rotor. `None` if the rotor's carrier is not the parent body
-    /// of this joint.
+    /// For each rotor, the joint that turns it. `None` if the rotor's carrier is not the parent body of that
+    /// joint.
     pub beside: Vec<Option<usize>>,
 }
 
-/// Joints while they are collected, each with its parent.
+/// Joints while they are collected, each with the index of its parent.
 struct Collected<S> {
     joints: Vec<(LoopJoint<S>, Option<usize>)>,
     /// For each body, the joint that carries it.
@@ -83,7 +84,8 @@ impl<S: Numbers> LoopJoints<S> {
         Self { list, places, tree, beside }
     }
 
-    /// Coordinates that the joints follow, by the positions in arrays; `None` if each joint is independent.
+    /// Coordinates that the joints follow, indexed by the joints' positions in arrays; `None` if each joint
+    /// is independent.
     pub(super) fn coordinates(&self, mechanism: &Mechanism<S>) -> Option<Coordinates> {
         let mut of_joints = vec![0; self.list.len()];
         for (joint, &place) in self.list.iter().zip(&self.places) {
@@ -112,14 +114,14 @@ impl<S: Numbers> LoopJoints<S> {
         self.list[joint].follows.coordinate
     }
 
-    /// Whether a joint is the independent joint of its coordinate.
+    /// Whether a joint's position is a coordinate itself, so that the joint is independent.
     pub(super) fn is_own(&self, joint: usize) -> bool {
         self.places[joint] == self.coordinate(joint)
     }
 }
 
 impl<S: Numbers> Collected<S> {
-    /// Adds a joint for each followed coordinate. Returns the last added joint.
+    /// Adds one joint for each coordinate that the body or rotor follows. Returns the last added joint.
     fn row(&mut self, moved: Moved, mut parent: Option<usize>, terms: &[Followed<S>]) -> Option<usize> {
         for (k, &follows) in terms.iter().enumerate() {
             let is_last = k + 1 == terms.len();
@@ -139,7 +141,7 @@ impl<S: Numbers> Collected<S> {
     }
 }
 
-/// Whether a rotor only adds its inertia to a diagonal entry of M.
+/// Whether a rotor only adds its inertia to a diagonal entry of the mass matrix.
 pub(super) fn is_on_diagonal<S: Numbers>(rotor: &Rotor<S>) -> bool {
     rotor.carrier.is_none() && rotor.transmission.single().is_some()
 }

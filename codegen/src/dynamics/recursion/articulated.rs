@@ -39,13 +39,13 @@ pub fn forward_dynamics<'g>(
     tree.accelerate(&joints)
 }
 
-/// Coupling of the rotors of one joint.
+/// Momentum and inertia by which the rotors of one joint couple it with its parent body.
 #[derive(Clone, Copy)]
 struct RotorCoupling<'g> {
     /// Momentum `i J_R a` of the rotors on the parent per unit of the joint's velocity, in the parent's
-    /// frame.
+    /// frame. i is the gear ratio, J_R the axial inertia and a the axis.
     axial: Vector3<Scalar<'g>>,
-    /// Inertia `i² J_R` of all rotors of the joint.
+    /// Inertia `i² J_R` of all rotors of the joint, with gear ratio i and axial inertia J_R.
     inertia: Scalar<'g>,
 }
 
@@ -71,16 +71,17 @@ impl<'g> RotorCoupling<'g> {
     }
 }
 
-/// Velocities of a body in its own frame.
+/// Velocities of a body and its joint, in the body's own frame.
 #[derive(Clone, Copy)]
 struct Rates<'g> {
     /// Angular velocity of the parent, in the body's frame.
     carried: Vector3<Scalar<'g>>,
-    /// Angular velocity ω.
+    /// Angular velocity ω of the body.
     omega: Vector3<Scalar<'g>>,
-    /// Velocity of the joint.
+    /// Velocity of the body's joint.
     joint: Scalar<'g>,
-    /// Velocity terms of ω̇ for a revolute joint, or of the acceleration of the origin for a prismatic joint.
+    /// Velocity terms of the angular acceleration for a revolute joint, or of the origin's acceleration for a
+    /// prismatic joint.
     coriolis: Vector3<Scalar<'g>>,
 }
 
@@ -106,23 +107,24 @@ fn rates<'g>(
     rates
 }
 
-/// Articulated inertia and bias of a body and all bodies beyond it.
+/// Inertia and bias in the equations of motion of a body with all bodies beyond it, whose joints move freely.
 #[derive(Clone, Copy)]
 struct Articulated<'g> {
-    /// Matrix J, symmetric.
+    /// Symmetric matrix J in the moment `n = J ω̇ + C a + n₀` that the accelerations ω̇ and a require.
     inertia: Matrix3<'g>,
-    /// Matrix C.
+    /// Matrix C in the moment `n = J ω̇ + C a + n₀` and the force `F = Cᵀ ω̇ + M a + F₀`, which the
+    /// accelerations ω̇ and a require.
     coupling: Matrix3<'g>,
-    /// Matrix M, symmetric.
+    /// Symmetric matrix M in the force `F = Cᵀ ω̇ + M a + F₀` that the accelerations ω̇ and a require.
     mass: Matrix3<'g>,
-    /// Moment n₀.
+    /// Moment n₀ that is required without accelerations.
     moment: Vector3<Scalar<'g>>,
-    /// Force F₀.
+    /// Force F₀ that is required without accelerations.
     force: Vector3<Scalar<'g>>,
 }
 
-/// A joint's equation `ÿ = known − per_angular · ω̇ − per_linear · a`. ω̇ and a are the accelerations that
-/// the parent causes.
+/// A joint's equation `ÿ = known − per_angular · ω̇ − per_linear · a`. ω̇ and a are the angular and linear
+/// acceleration that the parent causes.
 #[derive(Clone, Copy)]
 struct JointEquation<'g> {
     known: Scalar<'g>,
@@ -176,8 +178,8 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Solves a joint's equation for the joint's acceleration. The second result is the articulated body that
-    /// is added to the parent.
+    /// Solves a joint's equation for the joint's acceleration. The second result is the inertia and bias of
+    /// all bodies beyond the joint, which are added to the parent.
     fn eliminate_joint(
         &self,
         index: usize,
@@ -231,7 +233,7 @@ impl<'g> Tree<'_, 'g> {
         (joint, rest)
     }
 
-    /// Transforms an articulated body to the parent's frame and origin.
+    /// Transforms inertia and bias of all bodies beyond a joint to the parent's frame and origin.
     fn pass_on(&self, index: usize, rest: Articulated<'g>) -> Articulated<'g> {
         let (body, placement) = (&self.mechanism.bodies[index], &self.placements[index]);
         let zero = placement.extension.constant(0.0);
@@ -297,8 +299,8 @@ impl<'g> Articulated<'g> {
         }
     }
 
-    /// Transforms to another point of reference, from which the old point has the position `d`:
-    /// `a = a' + ω̇ × d + ω × (ω × d)`, `n' = n + d × F`.
+    /// Transforms to another point of reference, from which the old point has the position `d`. The new
+    /// accelerations a' and moments n' follow from `a = a' + ω̇ × d + ω × (ω × d)` and `n' = n + d × F`.
     fn shifted(self, d: Vector3<Scalar<'g>>, omega: Vector3<Scalar<'g>>) -> Self {
         if d.is_zero() {
             return self;
@@ -320,7 +322,8 @@ impl<'g> Articulated<'g> {
         Self { inertia, coupling, mass: self.mass, moment, force }
     }
 
-    /// Transforms to the axes of the parent, before the joint's rotation and twist.
+    /// Transforms to the axes of the parent, before the joint's rotation and the constant rotation between
+    /// the links.
     fn turned(self, turn: Option<Turn<'g>>, twist: &Twist) -> Self {
         let vector = |v: Vector3<Scalar<'g>>| twist.to_parent(turn.map_or(v, |turn| v.turned(turn)));
         let matrix = |a: &Matrix3<'g>| {
@@ -347,7 +350,7 @@ impl<'g> Articulated<'g> {
     }
 }
 
-/// Matrix `A − u uᵀ/d` with `per = u/d`. The lower triangle is computed and copied.
+/// Symmetric matrix `A − u uᵀ/d` with `per = u/d`. The lower triangle is computed and copied.
 fn minus_symmetric<'g>(a: &Matrix3<'g>, u: Vector3<Scalar<'g>>, per: Vector3<Scalar<'g>>) -> Matrix3<'g> {
     let mut result = *a;
     for i in 0..3 {

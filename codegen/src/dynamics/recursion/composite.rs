@@ -1,8 +1,8 @@
 //! Mass matrix by composite rigid bodies.
 //!
-//! Column j of M is the force for a unit acceleration of joint j. It accelerates the composite of all bodies
-//! beyond joint j, and is passed on to the joints before j (Walker and Orin 1982; Featherstone 2008, ch. 6).
-//! Moments of mass replace spatial inertias.
+//! Column j of the mass matrix is the force for a unit acceleration of joint j. It accelerates all bodies
+//! beyond joint j together, and is passed on to the joints before j (Walker and Orin 1982; Featherstone 2008,
+//! ch. 6). Moments of mass replace spatial inertias.
 
 use crate::dynamics::formulation::{Formulation, RunLink};
 use crate::dynamics::recursion::placement::{Placement, ends_at_root, place};
@@ -33,8 +33,8 @@ pub fn mass_matrix<'g>(
     matrix
 }
 
-/// Copies one triangle of M to the other if joints follow other joints. Otherwise the two triangles could
-/// differ by rounding errors, because their sums have the same terms in different orders.
+/// Copies one triangle of the mass matrix to the other if joints follow other joints. Otherwise the two
+/// triangles could differ by rounding errors, because their sums have the same terms in different orders.
 pub(super) fn mirror<'g>(mechanism: &Mechanism<Scalar<'g>>, matrix: &mut [Vec<Scalar<'g>>]) {
     if !mechanism.is_coupled() {
         return;
@@ -46,12 +46,12 @@ pub(super) fn mirror<'g>(mechanism: &Mechanism<Scalar<'g>>, matrix: &mut [Vec<Sc
     }
 }
 
-/// Composite of a body and all bodies beyond it.
+/// Moments of mass of a body together with all bodies beyond it.
 #[derive(Clone, Copy)]
 pub(in crate::dynamics) struct Composite<'g> {
-    /// Moments of mass in the body's working frame, the frame of the body's equations.
+    /// Moments of mass in the frame of the body's equations.
     pub moments: MassMoments<Scalar<'g>>,
-    /// Sum Σ_xx + Σ_yy of second moments. A rotation about z does not change it.
+    /// Sum Σ_xx + Σ_yy of second moments Σ = ∫ r rᵀ dm. A rotation about z does not change it.
     pub polar: Scalar<'g>,
 }
 
@@ -85,7 +85,8 @@ impl<'g> Composite<'g> {
         Self { moments, polar: moments.second.xx + moments.second.yy }
     }
 
-    /// Product `(tr Σ − Σ) v` of the inertia tensor about the origin and a vector.
+    /// Product `(tr Σ − Σ) v` of the inertia tensor about the origin and a vector v. The second moments are Σ
+    /// = ∫ r rᵀ dm.
     pub fn inertia_times(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let s = self.moments.second;
         Vector3([
@@ -108,7 +109,7 @@ pub(super) fn before_joint<'g>(
     }
 }
 
-/// Sum `Σ_xx + Σ_yy` after a displacement by `p`.
+/// Sum `Σ_xx + Σ_yy` of second moments Σ = ∫ r rᵀ dm after a displacement by `p`.
 fn polar_after_shift<'g>(
     polar: Scalar<'g>,
     moments: &MassMoments<Scalar<'g>>,
@@ -128,7 +129,7 @@ struct Carried<'g> {
     transverse: Vector3<Scalar<'g>>,
 }
 
-/// One column of M.
+/// One column of the mass matrix.
 struct Column<'a, 'g> {
     mechanism: &'a Mechanism<Scalar<'g>>,
     formulation: &'a Formulation,
@@ -161,7 +162,7 @@ impl<'g> Column<'_, 'g> {
         }
     }
 
-    /// Wrench that accelerates the composite body by 1 along or about the joint's axis.
+    /// Wrench that accelerates a body and all bodies beyond it by 1 along or about the body's joint axis.
     fn unit_acceleration(&self, composite: &Composite<'g>) -> Carried<'g> {
         let MassMoments { mass, first: h, second: s } = composite.moments;
         let zero = mass.constant(0.0);
@@ -199,7 +200,8 @@ impl<'g> Column<'_, 'g> {
     }
 }
 
-/// Adds the force along one joint for a unit acceleration of another joint to both symmetric entries of M.
+/// Adds the force along one joint for a unit acceleration of another joint to both symmetric entries of the
+/// mass matrix.
 fn couple<'g>(
     row: &Transmission<Scalar<'g>>,
     column: &Transmission<Scalar<'g>>,
@@ -211,7 +213,7 @@ fn couple<'g>(
     }
 }
 
-/// First moment of all moving masses in the base frame [kg m]. The mechanism must be in metres.
+/// First moment of all moving masses in the base frame (kg m). The mechanism must be in metres.
 pub fn first_moment<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,

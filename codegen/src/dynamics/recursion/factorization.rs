@@ -1,4 +1,5 @@
-//! Factorization `M = Lᵀ D L` along the branches of the tree, and solution of `M x = b` with the factors.
+//! Factorization `M = Lᵀ D L` of the mass matrix along the branches of the tree, and solution of `M x = b`
+//! with the factors.
 //!
 //! Elimination from the leaves to the base keeps the zeros of M between branches (Featherstone 2005; 2008,
 //! section 6.5).
@@ -10,13 +11,14 @@ use crate::kinematics::{Mechanism, Numbers};
 /// independent joints.
 #[derive(Debug, Clone)]
 pub struct Factorization<'g> {
-    /// Lower triangle L with unit diagonal: `lower[i][j]` for each ancestor j of i.
+    /// Lower triangle L of `M = Lᵀ D L` with unit diagonal: `lower[i][j]` for each ancestor j of i.
     lower: Vec<Vec<Option<Scalar<'g>>>>,
-    /// Reciprocals of the diagonal of D.
+    /// Reciprocals of the diagonal matrix D in `M = Lᵀ D L`.
     reciprocals: Vec<Scalar<'g>>,
-    /// For each row, the earlier rows that M couples with it; the nearest row is first.
+    /// For each row of the factors, the earlier rows that the mass matrix couples with it; the nearest row is
+    /// first.
     ancestors: Vec<Vec<usize>>,
-    /// Coordinate of each row.
+    /// Coordinate to which each row of the factors belongs.
     coordinates: Vec<usize>,
 }
 
@@ -48,7 +50,7 @@ impl<'g> Factorization<'g> {
         Self { lower, reciprocals, ancestors: couplings, coordinates }
     }
 
-    /// Inverse M⁻¹. Rows and columns have the order of the coordinates.
+    /// Inverse M⁻¹ of the mass matrix. Rows and columns have the order of the coordinates.
     pub fn inverse(&self, graph: &'g Graph) -> Vec<Vec<Scalar<'g>>> {
         let count = self.coordinates.len();
         let unit =
@@ -63,7 +65,8 @@ impl<'g> Factorization<'g> {
         inverse
     }
 
-    /// Solution x of `M x = right`, by coordinate. The entries of driven coordinates are copied from `right`.
+    /// Solution x of `M x = right` with the mass matrix M, by coordinate. For coordinates with prescribed
+    /// motion, the entries are copied from `right`.
     pub fn solve(&self, right: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         let mut x: Vec<_> = self.coordinates.iter().map(|&coordinate| right[coordinate]).collect();
         for i in (0..x.len()).rev() {
@@ -91,9 +94,9 @@ impl<'g> Factorization<'g> {
     }
 }
 
-/// Lists, for each coordinate, the earlier coordinates with non-zero entries in M; the nearest coordinate is
-/// first. They are the ancestors, the coordinates of bodies that carry a rotor of another branch, and
-/// coordinates with a common follower.
+/// Lists, for each coordinate, the earlier coordinates with non-zero entries in the mass matrix; the nearest
+/// coordinate is first. They are the ancestors, the coordinates of bodies that carry a rotor of another
+/// branch, and coordinates that one joint follows together with this coordinate.
 fn couplings(coordinates: &[usize], mass_matrix: &[Vec<Scalar<'_>>]) -> Vec<Vec<usize>> {
     let count = coordinates.len();
     let entry = |i: usize, j: usize| mass_matrix[coordinates[i]][coordinates[j]];

@@ -26,8 +26,8 @@ pub struct BasePoses<'g> {
 }
 
 impl<'g> BasePoses<'g> {
-    /// Computes the poses at the coordinates `y`. The mechanism must be in metres, with equations in the
-    /// bodies' own frames.
+    /// Computes the bodies' poses at the coordinates `y`. The mechanism must be in metres, with equations in
+    /// the bodies' own frames.
     pub fn new(mechanism: Mechanism<Scalar<'g>>, y: &[Scalar<'g>]) -> Self {
         let placements = place(&mechanism, &Formulation::plain(mechanism.bodies.len()), y);
         let base = FramePose::base(mechanism.graph.constant(1.0));
@@ -48,7 +48,7 @@ impl<'g> BasePoses<'g> {
         Self { mechanism, bodies }
     }
 
-    /// Pose of the body with this index.
+    /// Pose of the body with this index in the base frame.
     pub fn body(&self, index: usize) -> &FramePose<'g> {
         &self.bodies[index]
     }
@@ -62,8 +62,8 @@ impl<'g> BasePoses<'g> {
         FramePose { origin, ..body.twisted(&pose.rotation) }
     }
 
-    /// Jacobian of a frame in the axes of the base, 6 × n. The first three rows give the linear velocity of
-    /// the frame's origin, the last three the angular velocity.
+    /// Jacobian of a frame in the axes of the base, 6 × n for n velocities. The first three rows give the
+    /// linear velocity of the frame's origin, the last three the angular velocity.
     pub fn jacobian(&self, link: usize, frame: &Pose<Scalar<'g>>) -> Vec<Vec<Scalar<'g>>> {
         let origin = self.pose(link, frame).origin;
         let zero = self.mechanism.graph.constant(0.0);
@@ -110,8 +110,8 @@ impl<'g> BasePoses<'g> {
         }
     }
 
-    /// Acceleration of a frame without gravity, in the axes of the base: linear, then angular. At ÿ = 0 this
-    /// is `J̇ ẏ` with the frame's Jacobian J.
+    /// Acceleration of a frame without gravity, in the axes of the base: linear, then angular. At ÿ = 0 it
+    /// equals `J̇ ẏ` with the frame's Jacobian J.
     pub fn acceleration(
         &self,
         link: usize,
@@ -135,7 +135,7 @@ impl<'g> BasePoses<'g> {
 }
 
 impl<'g> FramePose<'g> {
-    /// Pose of the base frame.
+    /// Pose of the base frame in itself: origin 0 and unit axes.
     pub fn base(one: Scalar<'g>) -> Self {
         let zero = one.constant(0.0);
         let axes = [[one, zero, zero], [zero, one, zero], [zero, zero, one]].map(Vector3);
@@ -151,7 +151,8 @@ impl<'g> FramePose<'g> {
         Self { origin: self.origin, axes }
     }
 
-    /// The pose after the rotation about z from the frame before the run of parallel joints.
+    /// The pose after the rotation about z that leads from the frame before a run of parallel joints to the
+    /// body.
     fn turned(&self, placement: &Placement<'g>) -> Self {
         let Some((s, c)) = placement.turn_from_run else {
             return *self;

@@ -1,9 +1,9 @@
 //! Branches of a body with levers of equal length, for example mirror-symmetric legs of a quadruped or arms
 //! of a humanoid.
 //!
-//! The origins p of such branches have components ±c with the same c. For the accelerations, products with c
-//! are computed once, and common parts of the origins are added first. For the forces f on the branches, the
-//! components are summed with the signs s = ±1 before the multiplication by c:
+//! A component of the origin p of each such branch is +c or −c with the same c. For the accelerations,
+//! products with c are computed once, and common parts of the origins are added first. For the forces f on
+//! the branches, the components are summed with the signs s = ±1 before the multiplication by c:
 //!
 //! ```text
 //! Σ p × f = Σ_k Σ_c c e_k × Σ s f          over the branches with |p_k| = c
@@ -18,7 +18,7 @@ use crate::kinematics::{JointAxis, Mechanism};
 use crate::spatial::{Force, Vector3};
 
 /// Constant origin of a body in the parent's frame, including the translation along the joint's axis. `None`
-/// if no other branch of the parent has an equal lever.
+/// if no other branch of the parent has an origin at an equal distance.
 pub(super) fn mirrored<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],
@@ -33,7 +33,7 @@ fn levers(v: Vector3<Scalar<'_>>) -> impl Iterator<Item = f64> {
     v.values().into_iter().flatten().map(f64::abs)
 }
 
-/// Origins of the other branches of a body's parent.
+/// Origins of the other branches that a body's parent carries, in the parent's frame.
 fn other_origins<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],
@@ -91,7 +91,7 @@ impl<'g> Branches<'g> {
         self.forces.push(force);
     }
 
-    /// Adds the forces of all branches to `own`, about the body's origin.
+    /// Adds the forces of all branches to `own`, the body's own force, about the body's origin.
     pub fn added_to(&self, own: Force<'g>) -> Force<'g> {
         let mut result = own;
         if self.forces.is_empty() {
@@ -117,7 +117,7 @@ impl<'g> Branches<'g> {
         result
     }
 
-    /// The distinct magnitudes of component `k`, without 0.
+    /// The distinct magnitudes of component `k` of the branches' origins, without 0.
     fn lengths(&self, k: usize) -> Vec<f64> {
         let mut lengths: Vec<f64> = Vec::new();
         for length in self.origins.iter().map(|origin| origin[k].abs()) {
@@ -128,7 +128,8 @@ impl<'g> Branches<'g> {
         lengths
     }
 
-    /// The branches whose component `k` has the magnitude `length`, each with the sign of this component.
+    /// The branches whose origin has the magnitude `length` in component `k`, each with the sign of this
+    /// component.
     fn signs(&self, k: usize, length: f64) -> Vec<(usize, f64)> {
         let components = self.origins.iter().map(|origin| origin[k]).enumerate();
         components.filter(|(_, x)| x.abs() == length).map(|(branch, x)| (branch, x.signum())).collect()
@@ -176,7 +177,7 @@ fn commonest(sums: &[Vec<(usize, f64)>]) -> Option<Pair> {
     best.map(|(_, pair)| pair)
 }
 
-/// Sign with which a sum contains a pair; `None` if the sum does not contain it.
+/// Sign with which a sum contains a pair of terms; `None` if the sum does not contain the pair.
 fn sign_of_pair(sum: &[(usize, f64)], (a, b, relative): Pair) -> Option<f64> {
     let sign = |wanted: usize| sum.iter().find(|(term, _)| *term == wanted).map(|(_, sign)| *sign);
     let (first, second) = (sign(a)?, sign(b)?);

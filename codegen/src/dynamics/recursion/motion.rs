@@ -5,20 +5,23 @@ use crate::graph::Scalar;
 use crate::kinematics::Body;
 use crate::spatial::{Matrix3, Vector3};
 
-/// Motion of a body in its working frame, the frame of the body's equations.
+/// Motion of a body, with components in the frame of the body's equations.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::dynamics) struct BodyMotion<'g> {
-    /// Angular velocity ω.
+    /// Angular velocity ω of the body.
     pub omega: Vector3<Scalar<'g>>,
-    /// Components of the angular acceleration ω̇. A component is `None` if it was not needed for U.
+    /// Components of the body's angular acceleration. A component is `None` if the other results did not need
+    /// it.
     pub(super) angular: [Option<Scalar<'g>>; 3],
-    /// Matrix U = ω̇× + ω× ω×. A point r of the body has the acceleration a + U r.
+    /// Matrix U = ω̇× + ω× ω× of the body. A point r has the acceleration a + U r, with the acceleration a of
+    /// the body's origin.
     pub spread: Matrix3<'g>,
-    /// Differences U_zz − U_yy, U_xx − U_zz and U_yy − U_xx; `None` if they are computed from U.
+    /// Differences U_zz − U_yy, U_xx − U_zz and U_yy − U_xx of the matrix U = ω̇× + ω× ω×; `None` if they are
+    /// computed from U.
     pub(super) differences: Option<[Scalar<'g>; 3]>,
-    /// Acceleration a of the origin minus gravity.
+    /// Acceleration of the body's origin minus gravity.
     pub acceleration: Vector3<Scalar<'g>>,
-    /// Motion of the chain of bodies that forms a joint with a quaternion; `None` for other bodies.
+    /// Motion of the bodies that replace a joint with a quaternion; `None` for other bodies.
     pub chain: Option<ChainMotion<'g>>,
 }
 
@@ -33,21 +36,21 @@ pub struct MotionInput<'a, 'g> {
     pub a: &'a [Scalar<'g>],
 }
 
-/// Intermediate values for the motion of a chain's last body, in the frame of this body.
-/// [`super::quaternion`] defines the symbols.
+/// Intermediate values for the motion of the body that a joint with a quaternion moves, in the frame of this
+/// body.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::dynamics) struct ChainMotion<'g> {
-    /// Angular velocity ω_c of the joint's parent.
+    /// Angular velocity of the joint's parent, in the axes of the moved body.
     pub(super) carried_omega: Vector3<Scalar<'g>>,
-    /// Angular acceleration ω̇_c of the parent.
+    /// Angular acceleration of the joint's parent, in the axes of the moved body.
     pub(super) carried_angular: Vector3<Scalar<'g>>,
-    /// Matrix U_c of the parent.
+    /// Matrix `ω̇× + ω× ω×` of the joint's parent, in the axes of the moved body.
     pub(super) carried_spread: Matrix3<'g>,
-    /// Acceleration a_c that the parent causes at the body's origin, minus gravity.
+    /// Acceleration that the parent causes at the moved body's origin, minus gravity.
     pub(super) carried_acceleration: Vector3<Scalar<'g>>,
-    /// Linear velocity l of the joint [m/s].
+    /// Linear velocity l of the joint (m/s).
     pub(super) linear: Vector3<Scalar<'g>>,
-    /// Angular velocity ν of the joint [rad/s].
+    /// Angular velocity ν of the joint (rad/s).
     pub(super) turning: Vector3<Scalar<'g>>,
 }
 
@@ -75,7 +78,8 @@ impl<'g> BodyMotion<'g> {
         Self { omega, angular, spread, differences: None, acceleration, chain: Some(chain) }
     }
 
-    /// Computes the diagonal of U and the differences of its entries by the chosen method.
+    /// Computes the diagonal of the matrix U = ω̇× + ω× ω× and the differences of its entries by the chosen
+    /// method.
     pub(super) fn find_diagonal(&mut self, diagonal: Diagonal) {
         let (u, squares) = (&mut self.spread.0, |w: Vector3<Scalar<'g>>| w.0.map(Scalar::squared));
         let across = |[first, second]: [Scalar<'g>; 2]| Some([first, second, -(first + second)]);
@@ -104,7 +108,8 @@ impl<'g> BodyMotion<'g> {
         self
     }
 
-    /// Angular acceleration ω̇. Components that are not stored are computed from U and ω.
+    /// Angular acceleration of the body. Components that are not stored are computed from the angular
+    /// velocity ω and the matrix U = ω̇× + ω× ω×.
     pub(in crate::dynamics) fn angular_acceleration(&self) -> Vector3<Scalar<'g>> {
         let (u, w) = (&self.spread, self.omega);
         let from_spread = [u[2][1] - w[1] * w[2], u[0][2] - w[0] * w[2], u[1][0] - w[0] * w[1]];
@@ -112,7 +117,7 @@ impl<'g> BodyMotion<'g> {
     }
 }
 
-/// Matrix `U = ω̇× + ω× ω×`.
+/// Matrix `U = ω̇× + ω× ω×` of a body with the angular velocity ω and the angular acceleration ω̇.
 pub(in crate::dynamics) fn spread_of<'g>(
     omega: Vector3<Scalar<'g>>,
     angular: Vector3<Scalar<'g>>,

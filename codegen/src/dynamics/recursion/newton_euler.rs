@@ -22,19 +22,20 @@ use crate::graph::Scalar;
 use crate::kinematics::{Body, JointAxis, Mechanism, Transmission};
 use crate::spatial::{Force, Matrix3, Symmetric3, Twist, Vector3};
 
-/// Inverse dynamics with intermediate values.
+/// Inverse dynamics with the intermediate frames, motions and wrenches of all bodies.
 pub(super) struct InverseDynamicsParts<'g> {
-    /// Working frame of each body, the frame of the body's equations.
+    /// Frame of each body's equations.
     pub placements: Vec<Placement<'g>>,
-    /// Motion of each body.
+    /// Motion of each body in the frame of its equations.
     pub motions: Vec<BodyMotion<'g>>,
     /// Wrench that accelerates each body and all bodies beyond it.
     pub wrenches: Vec<Force<'g>>,
-    /// Generalized forces `M ÿ + k − q_gravity` by coordinate.
+    /// Generalized forces `M ÿ + k − q_gravity` by coordinate: inertial and Coriolis forces minus gravity.
     pub generalized: Vec<Scalar<'g>>,
 }
 
-/// Generalized forces `M ÿ + k − q_gravity` of bodies and rotors, by coordinate.
+/// Generalized forces `M ÿ + k − q_gravity` of bodies and rotors, by coordinate: inertial and Coriolis forces
+/// minus gravity.
 pub fn inverse_dynamics<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
@@ -44,10 +45,10 @@ pub fn inverse_dynamics<'g>(
 }
 
 /// Wrench that accelerates each body together with all bodies beyond it, including gravity. The moment is
-/// about the body's origin, and the axes are those of the working frame.
+/// about the body's origin, in the axes of the frame in which the body's equations are written.
 ///
-/// The mechanism must be in metres and have the masses of the description, because regrouped masses give
-/// other wrenches. The formulation must pass all moments to the parent.
+/// The mechanism must be in metres and have the masses of the description, because shifted masses give other
+/// wrenches. The formulation must pass all moments to the parent.
 pub fn wrenches<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
@@ -56,7 +57,7 @@ pub fn wrenches<'g>(
     inverse_dynamics_parts(mechanism, formulation, input).wrenches
 }
 
-/// Inverse dynamics with intermediate values.
+/// Inverse dynamics with the intermediate frames, motions and wrenches of all bodies.
 pub(super) fn inverse_dynamics_parts<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
@@ -152,7 +153,7 @@ struct RevoluteStep<'a, 'g> {
 }
 
 impl<'g> RevoluteStep<'_, 'g> {
-    /// Motion of the body. `origin` is the acceleration of the body's origin.
+    /// Motion of the body after the revolute joint. `origin` is the acceleration of the body's origin.
     fn turn(&self, input: MotionInput<'_, 'g>, origin: Vector3<Scalar<'g>>) -> BodyMotion<'g> {
         let (rate, acceleration) = self.rates(input);
         let source = match self.choices.source {
@@ -217,7 +218,8 @@ impl<'g> RevoluteStep<'_, 'g> {
         self.mechanism.bodies[first].twist
     }
 
-    /// Transforms a vector from the working frame of the source to the working frame of this body.
+    /// Transforms a vector from the frame of the source's equations to the frame of this body's equations.
+    /// The source is the body from which the angular velocity is taken.
     fn carry(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let placement = &self.placements[self.index];
         let turn = match self.choices.source {
@@ -228,14 +230,16 @@ impl<'g> RevoluteStep<'_, 'g> {
         turn.map_or(v, |turn| v.turned_back(turn))
     }
 
-    /// The component of a vector of the source along this joint's axis.
+    /// Component along this joint's axis of a vector in the frame of the source. The source is the body from
+    /// which the angular velocity is taken.
     fn axial(&self, v: Vector3<Scalar<'g>>) -> Scalar<'g> {
         self.source_twist().to_child(v)[2]
     }
 }
 
 /// Motion of the body after a prismatic joint with the position d and the axis z. The acceleration of its
-/// origin is `a + 2 ω × z ḋ + z d̈`.
+/// origin is `a + 2 ω × z ḋ + z d̈`. ω is the parent's angular velocity, and a the acceleration that the
+/// parent causes.
 fn extend<'g>(
     parent: &BodyMotion<'g>,
     body: &Body<Scalar<'g>>,
@@ -263,7 +267,8 @@ fn unit_z(any: Scalar<'_>) -> Vector3<Scalar<'_>> {
     Vector3([any.constant(0.0), any.constant(0.0), any.constant(1.0)])
 }
 
-/// Matrix U from ω, from `points` = U z, and from the component `axial` of the angular acceleration along z.
+/// Matrix U = ω̇× + ω× ω× from the angular velocity ω, the vector `points` = U z, and the component `axial`
+/// of the angular acceleration along z.
 fn spread_from_axis<'g>(
     omega: Vector3<Scalar<'g>>,
     points: Vector3<Scalar<'g>>,
@@ -288,7 +293,7 @@ fn own_force<'g>(motion: &BodyMotion<'g>, placement: &Placement<'g>) -> Force<'g
     Force { moment, force }
 }
 
-/// Moment `vee(U Σ − Σ Uᵀ)` of the second moment Σ.
+/// Moment `vee(U Σ − Σ Uᵀ)` that the second moments Σ = ∫ r rᵀ dm require, with the matrix U = ω̇× + ω× ω×.
 fn moment_of_second<'g>(motion: &BodyMotion<'g>, s: Symmetric3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
     let u = &motion.spread;
     // The difference is computed here if no earlier choice computed it, because the order of nodes matters.
@@ -303,7 +308,7 @@ fn moment_of_second<'g>(motion: &BodyMotion<'g>, s: Symmetric3<Scalar<'g>>) -> V
     ])
 }
 
-/// Adds the forces of the rotors to the coordinates that the rotors follow, and the moments to the bodies
+/// Adds the forces of the rotors to the coordinates that the rotors follow, and their moments to the bodies
 /// that carry them.
 fn add_rotors<'g>(
     mechanism: &Mechanism<Scalar<'g>>,

@@ -1,5 +1,6 @@
-//! Working frames. The working frame of a body is the frame of its equations. A placement is the pose of this
-//! frame in the parent's working frame. A run is a sequence of revolute joints with parallel axes.
+//! Frames in which the equations of the bodies are written (working frames). A placement is the pose of a
+//! body's working frame in the parent's working frame. A run is a sequence of revolute joints with parallel
+//! axes.
 
 use crate::dynamics::formulation::{Formulation, WorkingFrame};
 use crate::graph::Scalar;
@@ -10,35 +11,39 @@ use gelenk_formula::Function;
 /// Sine and cosine of an angle.
 pub type Turn<'g> = (Scalar<'g>, Scalar<'g>);
 
-/// Placement of one body: its working frame relative to the working frame of the parent.
+/// Frame of one body's equations relative to the frame of the parent's equations.
 #[derive(Debug, Clone, Copy)]
 pub struct Placement<'g> {
-    /// Rotation about z from the parent's working frame, after the twist; `None` if there is no rotation.
+    /// Rotation about z from the frame of the parent's equations, after the constant rotation between the
+    /// links; `None` if there is no rotation.
     pub turn: Option<Turn<'g>>,
     /// Rotation by a quaternion after the rotation about z; `None` if there is no quaternion.
     pub attitude: Option<Attitude<Scalar<'g>>>,
-    /// Vector from the parent's origin to the joint's axis, in the parent's working frame and unit of length.
+    /// Vector from the parent's origin to the joint's axis, in the frame and unit of length of the parent's
+    /// equations.
     pub translation: Vector3<Scalar<'g>>,
-    /// Displacement of the origin along the z axis of the working frame, which is the joint's axis, in the body's unit of length. It
-    /// is constant for revolute joints and includes the position for prismatic joints.
+    /// Displacement of the body's origin along the joint's axis, in the body's unit of length. It is constant
+    /// for revolute joints and includes the position for prismatic joints.
     pub extension: Scalar<'g>,
     /// First body of the run to which this body belongs. A run is a sequence of revolute joints with parallel
     /// axes.
     pub run: usize,
-    /// Rotation about z from the frame before the run's first joint; `None` if there is no rotation.
+    /// Rotation about z from the frame before the body's run of parallel joints; `None` if there is no
+    /// rotation.
     pub turn_from_run: Option<Turn<'g>>,
-    /// Moments of mass in the working frame.
+    /// Moments of mass in the frame of the body's equations.
     pub moments: MassMoments<Scalar<'g>>,
-    /// Rotation about z from the working frame to the body's frame; `None` if the frames are equal.
+    /// Rotation about z from the frame of the equations to the body's own frame; `None` if the frames are
+    /// equal.
     pub to_body: Option<Turn<'g>>,
     /// The parent's unit of length divided by the body's unit of length.
     pub unit_ratio: f64,
-    /// Body whose own frame is parallel to the working frame; `None` if the working frame is parallel to the
-    /// frame before the run's first joint.
+    /// Body whose own frame is parallel to the frame of these equations. `None` if that frame is parallel to
+    /// the frame before the sequence of joints with parallel axes.
     aligned: Option<usize>,
 }
 
-/// Computes the placement of each body at the coordinates `y`.
+/// Computes the frame of each body's equations at the coordinates `y`.
 pub fn place<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
@@ -94,8 +99,9 @@ fn place_body<'g>(
     }
 }
 
-/// Rotation between two frames of one run, from the frame of body `from` to the frame of body `to`. `None`
-/// stands for the frame before the run. Angles are added before the sine is computed.
+/// Rotation between two frames in a sequence of joints with parallel axes, from the frame of body `from` to
+/// the frame of body `to`. `None` is the frame before the sequence. Angles are added before the sine is
+/// computed.
 fn turn_between<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     y: &[Scalar<'g>],
@@ -141,8 +147,8 @@ pub fn ends_at_root(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> bool {
         && root.is_some_and(|root| root.parent.is_none() && root.axis == JointAxis::Revolute)
 }
 
-/// The parent of a body if both belong to one run; otherwise `None`. A body of a joint with a quaternion does
-/// not belong to a run.
+/// The parent of a body if both have revolute joints with parallel axes; otherwise `None`. It is also `None`
+/// for a body of a joint with a quaternion.
 fn run_parent(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> Option<usize> {
     let turns = |body: usize| {
         let body = &mechanism.bodies[body];
@@ -153,7 +159,7 @@ fn run_parent(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> Option<usize> {
     is_run.then_some(parent)
 }
 
-/// The bodies of the run up to `member`, starting with the first body.
+/// The bodies from the first one of a sequence of joints with parallel axes up to `member`.
 fn run_chain(mechanism: &Mechanism<Scalar<'_>>, member: usize) -> Vec<usize> {
     let mut chain: Vec<usize> =
         std::iter::successors(Some(member), |&body| run_parent(mechanism, body)).collect();
@@ -162,22 +168,22 @@ fn run_chain(mechanism: &Mechanism<Scalar<'_>>, member: usize) -> Vec<usize> {
 }
 
 impl<'g> Placement<'g> {
-    /// Transforms an angular velocity, angular acceleration or moment from the parent's working frame to this
-    /// working frame.
+    /// Transforms an angular velocity, angular acceleration or moment from the frame of the parent's
+    /// equations to the frame of this body's equations.
     pub fn to_child(&self, twist: &Twist, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let v = twist.to_child(v);
         let v = self.turn.map_or(v, |turn| v.turned_back(turn));
         self.attitude.map_or(v, |attitude| attitude.to_child(v))
     }
 
-    /// Transforms an angular velocity, angular acceleration or moment from this working frame to the parent's
-    /// working frame.
+    /// Transforms an angular velocity, angular acceleration or moment from the frame of this body's equations
+    /// to the frame of the parent's equations.
     pub fn to_parent(&self, twist: &Twist, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         twist.to_parent(self.before_joint(v))
     }
 
-    /// Transforms an angular velocity, angular acceleration or moment from this working frame to the frame
-    /// before the joint.
+    /// Transforms an angular velocity, angular acceleration or moment from the frame of this body's equations
+    /// to the frame before the joint.
     pub fn before_joint(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let v = self.before_attitude(v);
         self.turn.map_or(v, |turn| v.turned(turn))
@@ -187,7 +193,7 @@ impl<'g> Placement<'g> {
         self.attitude.map_or(v, |attitude| attitude.to_parent(v))
     }
 
-    /// Transforms a matrix A to the frame before the joint, `R A Rᵀ`.
+    /// Transforms a matrix A to the frame before the joint: `R A Rᵀ` with the joint's rotation R.
     pub fn matrix_before_joint(&self, a: &Matrix3<'g>) -> Matrix3<'g> {
         let a = self.attitude.map_or(*a, |attitude| attitude.matrix_to_parent(a));
         self.turn.map_or(a, |turn| a.turned(turn))
@@ -199,23 +205,23 @@ impl<'g> Placement<'g> {
         self.turn.map_or(second, |turn| second.turned(turn))
     }
 
-    /// Transforms an acceleration from the parent's working frame and unit of length to this working frame
-    /// and unit.
+    /// Transforms an acceleration from the frame and unit of length of the parent's equations to those of
+    /// this body's equations.
     pub fn to_child_unit(&self, twist: &Twist, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         let v = self.scaled_turn(twist.to_child(v), |v, turn| v.turned_back(turn));
         self.attitude.map_or(v, |attitude| attitude.to_child(v))
     }
 
-    /// Transforms a force or first moment of mass from this working frame and unit of length to the frame
-    /// before the joint and the parent's unit.
+    /// Transforms a force or first moment of mass to the frame before the joint and to the parent's unit of
+    /// length.
     pub fn before_joint_unit(&self, v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         self.scaled_turn(self.before_attitude(v), |v, turn| v.turned(turn))
     }
 
     /// Motion of this body for a unit of the parent's angular velocity about z: angular velocity, and
-    /// velocity of the origin, in this working frame and unit of length. The product of this motion and a
-    /// wrench is the moment of the wrench about the parent's z axis. This product needs fewer operations than
-    /// a transformation of the wrench.
+    /// velocity of the origin, in the frame and unit of length of this body's equations. The product of this
+    /// motion and a wrench is the moment of the wrench about the parent's z axis. The product needs fewer
+    /// operations than a transformation of the wrench.
     pub fn parent_screw(&self, twist: &Twist) -> Motion<'g> {
         let zero = self.extension.constant(0.0);
         let z = Vector3([zero, zero, zero.constant(1.0)]);

@@ -26,8 +26,8 @@ use crate::graph::Scalar;
 use crate::kinematics::{ChainPlace, Mechanism};
 use crate::spatial::{Force, Motion, Vector3};
 
-/// Velocities l and ν of the joint of a chain, in the frame of the chain's last body. If `values` are
-/// accelerations, the result contains the rates of l and ν.
+/// Linear and angular velocity of a spherical or floating joint, in the frame of the moved body. If `values`
+/// are accelerations, the result contains the rates of these velocities.
 pub(super) fn own_motion<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     place: ChainPlace,
@@ -43,7 +43,8 @@ pub(super) fn own_motion<'g>(
     motion
 }
 
-/// Transformation of vectors between the frame of the joint's parent and the frame of the chain's last body.
+/// Transformation of vectors between the frame of a joint's parent and the frame of the body that a joint
+/// with a quaternion moves.
 pub(super) struct Passage<'a, 'g> {
     pub mechanism: &'a Mechanism<Scalar<'g>>,
     pub placements: &'a [Placement<'g>],
@@ -58,7 +59,7 @@ impl<'g> Passage<'_, 'g> {
         v
     }
 
-    /// Transforms a vector to the axes of the joint's parent.
+    /// Transforms a vector from the moved body's frame to the axes of the joint's parent.
     pub fn to_parent(&self, mut v: Vector3<Scalar<'g>>) -> Vector3<Scalar<'g>> {
         for index in (self.place.first..=self.place.last).rev() {
             v = self.placements[index].to_parent(&self.mechanism.bodies[index].twist, v);
@@ -66,8 +67,8 @@ impl<'g> Passage<'_, 'g> {
         v
     }
 
-    /// Motion of the chain's last body. All bodies of the chain use this motion, because the other bodies
-    /// have no mass.
+    /// Motion of the last body of the chain that replaces a joint with a quaternion. All bodies of the chain
+    /// use this motion, because the other bodies have no mass.
     pub fn motion(&self, parent: &BodyMotion<'g>, input: MotionInput<'_, 'g>) -> BodyMotion<'g> {
         let translation = self.placements[self.place.first].translation;
         let carried_omega = self.to_last(parent.omega);
@@ -93,14 +94,16 @@ impl<'g> Passage<'_, 'g> {
 /// Changes of the body's motion for a unit of one velocity of its joint, and for a unit of small motion along
 /// this velocity.
 pub(super) struct ChainDisturbance<'g> {
-    /// Changes δω, β and δa per unit of small motion.
+    /// Changes per unit of small displacement: δω of the body's angular velocity ω, β = δω̇ + ω × δω, and δa
+    /// of its origin's acceleration.
     pub by_position: [Vector3<Scalar<'g>>; 3],
-    /// Changes δω, β and δa per unit of velocity.
+    /// Changes per unit of velocity: δω of the body's angular velocity ω, β = δω̇ + ω × δω, and δa of its
+    /// origin's acceleration.
     pub by_velocity: [Vector3<Scalar<'g>>; 3],
 }
 
 impl<'g> ChainMotion<'g> {
-    /// Changes of the body's motion along one velocity of the joint.
+    /// Changes of the body's motion along one velocity of its joint with a quaternion.
     ///
     /// - `omega`: angular velocity of the last body
     /// - `turns`: whether the velocity is angular
@@ -130,10 +133,10 @@ impl<'g> ChainMotion<'g> {
     }
 }
 
-/// Motion of the chain's last body for a unit of one velocity, in the frame of this body.
+/// Motion of the body moved by a joint with a quaternion for a unit of one velocity, in the body's frame.
 ///
 /// - `turns`: whether the velocity is angular
-/// - `place`: place of the velocity in the chain
+/// - `place`: place of the velocity among the joint's velocities
 pub(super) fn unit_motion<'g>(turns: bool, place: ChainPlace, any: Scalar<'g>) -> Motion<'g> {
     let mut e = Vector3::zero(any);
     e.0[place.axis] = any.constant(1.0);
@@ -143,7 +146,7 @@ pub(super) fn unit_motion<'g>(turns: bool, place: ChainPlace, any: Scalar<'g>) -
     }
 }
 
-/// Component of a wrench on the chain's last body along one velocity.
+/// Component of a wrench on the moved body along one velocity of its joint with a quaternion.
 pub(super) fn force_along(turns: bool, place: ChainPlace, f: Force<'_>) -> Scalar<'_> {
     if turns { f.moment[place.axis] } else { f.force[place.axis] }
 }

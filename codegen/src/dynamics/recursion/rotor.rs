@@ -16,31 +16,31 @@ use crate::graph::Scalar;
 use crate::kinematics::{Mechanism, Rotor};
 use crate::spatial::{Matrix3, Vector3};
 
-/// A rotor in the working frame of its carrier.
+/// A rotor in the frame of its carrier's equations.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gyrostat<'g> {
-    /// Axis a of the rotor.
+    /// Axis a of the rotor, a unit vector in the carrier's frame.
     axis: Vector3<Scalar<'g>>,
-    /// Product i J.
+    /// Product i J of the rotor's gear ratio i and axial inertia J.
     coupling: Scalar<'g>,
 }
 
 impl<'g> Gyrostat<'g> {
-    /// Transforms a rotor to the working frame of its carrier.
-    ///
-    /// - `placement`: placement of the carrier
+    /// Transforms a rotor to the frame of its carrier's equations, which `placement` describes.
     pub(super) fn new(rotor: &Rotor<Scalar<'g>>, placement: &Placement<'g>) -> Self {
         let coupling = rotor.coupling_inertia();
         let axis = placement.to_body.map_or(rotor.axis, |ahead| rotor.axis.turned(ahead));
         Self { axis, coupling }
     }
 
-    /// Moment `i J a` on the carrier for a unit of the acceleration ÿ.
+    /// Moment `i J a` on the carrier for a unit of the coordinate's acceleration ÿ. i is the rotor's gear
+    /// ratio, J its axial inertia and a its axis.
     pub(super) fn momentum(&self) -> Vector3<Scalar<'g>> {
         self.axis.scaled(self.coupling)
     }
 
-    /// Moment `i J (ÿ a + ẏ ω × a)` on the carrier.
+    /// Moment `i J (ÿ a + ẏ ω × a)` of the rotor on its carrier, with gear ratio i, axial inertia J and axis
+    /// a. ω is the carrier's angular velocity.
     pub(super) fn moment(
         &self,
         omega: Vector3<Scalar<'g>>,
@@ -50,19 +50,21 @@ impl<'g> Gyrostat<'g> {
         self.axis.scaled(self.coupling * acceleration) + omega.cross(self.axis).scaled(self.coupling * rate)
     }
 
-    /// Force `i J a · ω̇` along y that the carrier's angular acceleration ω̇ causes.
+    /// Force `i J a · ω̇` along the coordinate that the carrier's angular acceleration ω̇ causes. i is the
+    /// rotor's gear ratio, J its axial inertia and a its axis.
     pub(super) fn carried(&self, angular: Vector3<Scalar<'g>>) -> Scalar<'g> {
         self.coupling * self.axis.dot(angular)
     }
 
-    /// Matrix `(i J ẏ a)×`: its product with an angular velocity of the carrier is the moment of the rotor's
-    /// spin.
+    /// Matrix `(i J ẏ a)×` with the rotor's gear ratio i, axial inertia J and axis a. Its product with an
+    /// angular velocity of the carrier is the moment of the rotor's spin.
     pub(super) fn spin(&self, rate: Scalar<'g>) -> Matrix3<'g> {
         Matrix3::cross(self.axis.scaled(self.coupling * rate))
     }
 
-    /// Adds the entries of M that couple the rotor with the joints between the base and the carrier: i J
-    /// times the component of the rotor's axis along each joint's axis.
+    /// Adds the entries of the mass matrix that couple the rotor with the joints between the base and the
+    /// carrier: gear ratio times axial inertia times the component of the rotor's axis along each joint's
+    /// axis.
     fn couple(
         &self,
         mechanism: &Mechanism<Scalar<'g>>,
@@ -87,8 +89,9 @@ impl<'g> Gyrostat<'g> {
     }
 }
 
-/// Adds the inertias `i² J` of rotors to M. A rotor with one coordinate adds to the diagonal. A rotor with
-/// several coordinates adds to the entries of all their pairs.
+/// Adds the inertias `i² J` of rotors with gear ratio i and axial inertia J to the mass matrix. A rotor with
+/// one coordinate adds to the diagonal. A rotor with several coordinates adds to the entries of all their
+/// pairs.
 pub(in crate::dynamics) fn add_inertia<'a, 'g: 'a>(
     rotors: impl IntoIterator<Item = &'a Rotor<Scalar<'g>>>,
     matrix: &mut [Vec<Scalar<'g>>],
@@ -101,8 +104,8 @@ pub(in crate::dynamics) fn add_inertia<'a, 'g: 'a>(
     }
 }
 
-/// Adds the entries of M that couple rotors on moving bodies with the joints between the base and these
-/// bodies.
+/// Adds the entries of the mass matrix that couple rotors on moving bodies with the joints between the base
+/// and these bodies.
 pub(super) fn add_coupling<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     placements: &[Placement<'g>],

@@ -4,7 +4,7 @@
 use crate::graph::Scalar;
 use crate::kinematics::{Mechanism, Transmission};
 
-/// Sums of forces for each pair of coordinate and ratio that occurs several times.
+/// Sums of forces on joints that follow the same coordinate with the same ratio, one sum for each such pair.
 pub(super) struct SharedRatios<'g> {
     sums: Vec<SharedRatio<'g>>,
 }
@@ -16,7 +16,7 @@ struct SharedRatio<'g> {
 }
 
 impl<'g> SharedRatios<'g> {
-    /// Finds the ratios of a mechanism that occur several times. Ratios of ±1 are left out, because they
+    /// Finds ratios with which several joints follow one coordinate. Ratios of ±1 are left out, because they
     /// require no product.
     pub(super) fn of(mechanism: &Mechanism<Scalar<'g>>) -> Self {
         let zero = mechanism.graph.constant(0.0);
@@ -37,8 +37,8 @@ impl<'g> SharedRatios<'g> {
         Self { sums: several }
     }
 
-    /// Adds the generalized forces of a force along the motion of a joint. Terms with a shared ratio are
-    /// collected until [`finish`](Self::finish).
+    /// Adds the generalized forces of a force along the motion of a joint. Terms whose ratio several joints
+    /// share are collected until [`finish`](Self::finish).
     pub(super) fn add_force(
         &mut self,
         moved: &Transmission<Scalar<'g>>,
@@ -58,7 +58,8 @@ impl<'g> SharedRatios<'g> {
         }
     }
 
-    /// Multiplies the collected sums by their ratios and adds the products.
+    /// Multiplies the collected sums of forces by their ratios and adds the products to the generalized
+    /// forces.
     pub(super) fn finish(self, generalized: &mut [Scalar<'g>]) {
         for SharedRatio { coordinate, ratio, force } in self.sums {
             generalized[coordinate] = generalized[coordinate] + force * ratio;
@@ -67,7 +68,7 @@ impl<'g> SharedRatios<'g> {
 }
 
 impl<'g> SharedRatio<'g> {
-    /// Returns 1 if the term has this coordinate and ratio, −1 if it has the negative ratio, otherwise
+    /// Returns 1 for this coordinate and ratio, −1 for this coordinate and the negative ratio, otherwise
     /// `None`.
     fn sign(&self, coordinate: usize, ratio: Scalar<'g>) -> Option<f64> {
         match (coordinate == self.coordinate, ratio.edge()) {

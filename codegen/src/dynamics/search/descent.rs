@@ -6,7 +6,7 @@ use crate::dynamics::formulation::{
 };
 use crate::kinematics::{Body, JointAxis, Mechanism, Number, RegroupChoice, SHORTEST_LEVER};
 
-/// Choices that are available for the formulations of a mechanism.
+/// Choices between ways to write the equations that are available for a mechanism.
 #[derive(Debug, Clone)]
 pub struct SearchSpace {
     has_quaternions: bool,
@@ -24,7 +24,8 @@ struct BodyOptions {
     balances: bool,
     lifted: bool,
     parent: Option<usize>,
-    /// Non-zero lengths of the children's translations, and of the body's own translation along its axis [m].
+    /// For each body, the non-zero lengths of its children's translations and of its own translation along
+    /// its axis (m).
     own_lengths: Vec<f64>,
 }
 
@@ -68,7 +69,7 @@ impl BodyOptions {
         options
     }
 
-    /// Alternatives for one body that only the recursive inverse dynamics have.
+    /// Alternatives for one body that are tried only for the recursive inverse dynamics.
     fn fine_alternatives(&self, now: BodyChoices) -> Vec<BodyChoices> {
         use Diagonal::{Axis, AxisAcross, Squares, Sums};
         let mut options = vec![BodyChoices { by_acceleration: !now.by_acceleration, ..now }];
@@ -92,7 +93,7 @@ impl BodyOptions {
 }
 
 impl SearchSpace {
-    /// Finds the available choices for a mechanism.
+    /// Finds the choices for writing the equations of a mechanism.
     pub fn new(mechanism: &Mechanism<Number>) -> Self {
         let children = mechanism.children();
         let parallel = |index: usize| {
@@ -125,7 +126,8 @@ impl SearchSpace {
     }
 }
 
-/// Whether the body has a revolute joint. There are no choices for bodies of a joint with a quaternion.
+/// Whether the body has a revolute joint and is not part of a joint with a quaternion, for which there are no
+/// choices.
 fn is_single_turn(body: &Body<Number>) -> bool {
     body.axis == JointAxis::Revolute && body.chain.is_none()
 }
@@ -135,7 +137,7 @@ fn all_revolute(mechanism: &Mechanism<Number>) -> bool {
     mechanism.bodies.iter().all(is_single_turn)
 }
 
-/// Lengths of the mechanism \[m\]. If such a length is the unit for the whole mechanism, it becomes 1 and
+/// Lengths of the robot \[m\] that may become the unit of length. A length that is the unit becomes 1 and
 /// saves products.
 fn length_units(mechanism: &Mechanism<Number>) -> Vec<f64> {
     if !all_revolute(mechanism) {
@@ -154,7 +156,8 @@ fn length_units(mechanism: &Mechanism<Number>) -> Vec<f64> {
     units
 }
 
-/// Lengths of a body \[m\]. If such a length is the unit of the body, it becomes 1 and saves products.
+/// Lengths of a body \[m\] that may become the body's unit of length. A length that is the unit becomes 1 and
+/// saves products.
 fn own_lengths(mechanism: &Mechanism<Number>, body: usize, children: &[usize]) -> Vec<f64> {
     let levers = children.iter().flat_map(|&child| mechanism.bodies[child].translation.0);
     levers.chain([mechanism.bodies[body].lift]).filter_map(nonzero_length).collect()
@@ -268,7 +271,7 @@ impl<F: Fn(&Formulation) -> (u64, usize)> Descent<F> {
 }
 
 impl SearchSpace {
-    /// Start of the finer descent: the choices that are cheapest for most bodies.
+    /// Start of the search with finer choices: the choices that are cheapest for most bodies.
     fn refining(start: &Formulation) -> Formulation {
         let mut next = start.clone();
         for body in &mut next.bodies {
@@ -278,7 +281,7 @@ impl SearchSpace {
         next
     }
 
-    /// The formulation in which length number `rank` of each body is the body's unit of length.
+    /// The formulation in which entry `rank` of each body's list of lengths is the body's unit of length.
     fn with_own_units(&self, formulation: &Formulation, rank: usize) -> Formulation {
         let mut next = formulation.clone();
         for (body, options) in next.bodies.iter_mut().zip(&self.bodies) {
@@ -287,7 +290,7 @@ impl SearchSpace {
         next
     }
 
-    /// Start of the descent: the choices that are cheapest for most bodies of most robots.
+    /// Start of the search: the choices that are cheapest for most bodies of most robots.
     fn promising(&self, plain: &Formulation) -> Formulation {
         let mut next = plain.clone();
         for (body, options) in next.bodies.iter_mut().zip(&self.bodies) {

@@ -36,19 +36,20 @@ pub struct Formulations<'m> {
     forward_dynamics: OnceCell<ForwardRoute>,
 }
 
-/// Method to compute the accelerations.
+/// Method to compute the accelerations from the forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ForwardRoute {
-    /// The mass matrix M is computed and factorized, `M = Lᵀ D L`.
+    /// The mass matrix M is computed and factorized, `M = Lᵀ D L`, and `M ÿ = f` is solved for the forces f.
     Factorization,
-    /// Articulated bodies, without the mass matrix M.
+    /// Recursion with articulated bodies, without the mass matrix M.
     ArticulatedBodies,
 }
 
 impl ForwardRoute {
     /// Accelerations for given joint forces and gravity, by coordinate.
     ///
-    /// - `input`: state, with the accelerations of driven coordinates and 0 for the other accelerations
+    /// - `input`: state, with the accelerations of driven coordinates (with prescribed motion) and 0 for the
+    ///   other accelerations
     /// - `forces`: joint forces without gravity, by coordinate
     pub fn accelerations<'g>(
         self,
@@ -71,7 +72,7 @@ impl ForwardRoute {
         }
     }
 
-    /// Sentence about this method, for the documentation of a generated function.
+    /// Sentence about the method for the accelerations, for the documentation of a generated function.
     pub fn description(self) -> &'static str {
         match self {
             Self::Factorization => {
@@ -84,13 +85,13 @@ impl ForwardRoute {
     }
 }
 
-/// Method to differentiate the inverse dynamics.
+/// Method to differentiate the inverse dynamics with respect to positions and velocities.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DerivativeRoute {
     /// Forward differentiation of the program of the inverse dynamics.
     Forward,
-    /// Composite bodies in a formulation. The derivatives for pairs of joints are computed in the
-    /// [`PairFrame`].
+    /// Recursion with composite bodies (each body with all bodies beyond it). The derivatives for pairs of
+    /// joints are computed in the [`PairFrame`].
     Composite(Formulation, PairFrame),
 }
 
@@ -113,12 +114,12 @@ impl<'m> Formulations<'m> {
         }
     }
 
-    /// The mechanism of the model.
+    /// Bodies, joints and rotors of the model.
     pub fn mechanism(&self) -> &'m Mechanism<Number> {
         self.mechanism
     }
 
-    /// The cheaper method to compute the accelerations.
+    /// The method that computes the accelerations with fewer operations.
     pub fn forward_dynamics(&self) -> ForwardRoute {
         *self.forward_dynamics.get_or_init(|| {
             let weight = |route: ForwardRoute| {
@@ -140,7 +141,7 @@ impl<'m> Formulations<'m> {
         })
     }
 
-    /// The base parameters of the model.
+    /// The base parameters (identifiable combinations of inertial parameters) of the model.
     pub fn base_parameters(&self) -> &BaseParameters {
         self.base_parameters.get_or_init(|| BaseParameters::new(self.model, self.mechanism))
     }
@@ -154,7 +155,7 @@ impl<'m> Formulations<'m> {
         })
     }
 
-    /// The cheapest formulation of the bias forces `k − q_gravity`.
+    /// The cheapest formulation of the bias forces (Coriolis forces minus gravity).
     pub fn bias_forces(&self) -> &Formulation {
         self.bias_forces.get_or_init(|| self.recursive_or_refined(Moving::Steadily))
     }
@@ -168,9 +169,9 @@ impl<'m> Formulations<'m> {
         cheapest(&self.space, |formulation| recursion(self.mechanism, formulation, moving))
     }
 
-    /// Returns the formulation of [`Self::recursive`], or the formulation of the inverse dynamics if that
-    /// formulation is cheaper. Only robots with quaternions are compared, because their search for the
-    /// inverse dynamics is finer.
+    /// Returns the cheapest formulation of the plain search, or the formulation of the inverse dynamics if
+    /// that one is cheaper. Only robots with quaternions are compared, because their search for the inverse
+    /// dynamics is finer.
     fn recursive_or_refined(&self, moving: Moving) -> Formulation {
         let own = self.recursive(moving);
         if !self.mechanism.has_quaternions() {
@@ -193,14 +194,15 @@ impl<'m> Formulations<'m> {
         })
     }
 
-    /// The pair of formulations of M and of the bias forces with the smallest total weight of operations.
-    /// Common terms count once.
+    /// The pair of formulations of the mass matrix and of the bias forces with the smallest total weight of
+    /// operations. Common terms count once.
     pub fn mass_and_bias(&self) -> &(Formulation, Formulation) {
         self.mass_and_bias
             .get_or_init(|| self.cheapest_pair(&[self.mass_matrix(), self.bias_forces()], |_, _| Vec::new()))
     }
 
-    /// `M(y)` and `k − q_gravity` in the formulations of [`Self::mass_and_bias`].
+    /// Mass matrix `M(y)` and bias forces `k − q_gravity` (Coriolis forces minus gravity) in the formulations
+    /// of [`Self::mass_and_bias`].
     pub fn mass_matrix_and_bias<'g>(
         &self,
         graph: &'g Graph,
@@ -221,8 +223,9 @@ impl<'m> Formulations<'m> {
         (matrix, newton_euler::inverse_dynamics(&bias.mechanism(graph, self.mechanism), bias, input))
     }
 
-    /// The pair of formulations of M and of the bias forces that has the smallest total weight of operations
-    /// together with the derivatives of the inverse dynamics. Common terms count once.
+    /// The pair of formulations of the mass matrix and of the bias forces that is cheapest if the derivatives
+    /// of the inverse dynamics are also computed. Its total weight of operations is the smallest; common
+    /// terms count once.
     pub fn mass_and_bias_beside_derivatives(&self) -> &(Formulation, Formulation) {
         self.beside_derivatives.get_or_init(|| {
             let mut candidates = vec![self.mass_matrix(), self.bias_forces()];
@@ -239,8 +242,8 @@ impl<'m> Formulations<'m> {
         })
     }
 
-    /// The pair of formulations of M and of the bias forces that has the smallest total weight together with
-    /// the results of `beside`.
+    /// The pair of formulations of the mass matrix and of the bias forces that has the smallest total weight
+    /// together with the results of `beside`.
     fn cheapest_pair(
         &self,
         candidates: &[&Formulation],
@@ -305,7 +308,7 @@ const LARGEST_SEARCHED: usize = 12;
 const LARGEST_FORWARD: usize = 4;
 
 impl DerivativeRoute {
-    /// Computes the inverse dynamics, their derivatives with respect to y and ẏ, and M.
+    /// Computes the inverse dynamics, their derivatives with respect to y and ẏ, and the mass matrix.
     ///
     /// - `inverse`: formulation of the inverse dynamics
     pub fn derive<'g>(
@@ -326,7 +329,7 @@ impl DerivativeRoute {
         }
     }
 
-    /// Sentence about this method, for the documentation of a generated function.
+    /// Sentence about the method for the derivatives, for the documentation of a generated function.
     pub fn description(&self) -> &'static str {
         match self {
             Self::Forward => "Forward differentiation of the inverse dynamics needed the fewest operations.",
@@ -363,18 +366,18 @@ fn differentiate_forwards<'g>(
     }
 }
 
-/// Motion for which the weight of a recursion is computed.
+/// Motion for which the operations of a recursion are counted.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Moving {
-    /// Velocities and accelerations are non-zero.
+    /// Velocities and accelerations are non-zero, as in the inverse dynamics.
     Accelerated,
-    /// Only velocities are non-zero.
+    /// Only velocities are non-zero, as in the bias forces.
     Steadily,
-    /// Velocities and accelerations are zero.
+    /// Velocities and accelerations are zero, as in the gravity forces.
     Not,
 }
 
-/// Weight of the recursive inverse dynamics, and number of the graph's nodes.
+/// Weight of the operations of the recursive inverse dynamics, and number of the graph's nodes.
 fn recursion(mechanism: &Mechanism<Number>, formulation: &Formulation, moving: Moving) -> (u64, usize) {
     weigh(mechanism, |graph, MotionInput { y, v, a }| {
         let still = vec![graph.constant(0.0); y.len()];
@@ -387,7 +390,7 @@ fn recursion(mechanism: &Mechanism<Number>, formulation: &Formulation, moving: M
     })
 }
 
-/// Weight of a computation over a mechanism, and number of the graph's nodes.
+/// Weight of the operations of a computation over a mechanism, and number of the graph's nodes.
 fn weigh<F>(mechanism: &Mechanism<Number>, build: F) -> (u64, usize)
 where
     F: for<'a> FnOnce(&'a Graph, MotionInput<'_, 'a>) -> Vec<Scalar<'a>>,

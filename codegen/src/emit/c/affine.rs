@@ -1,5 +1,5 @@
-//! Prints `linearize` in array form: a call of `forward_dynamics_derivatives`, and code that computes the
-//! results of `linearize` from its results.
+//! Prints `linearize` of robots with loops over joints: a call of `forward_dynamics_derivatives`, and code
+//! that computes the results of `linearize` from its results.
 
 use super::body::Body;
 use super::context::Context;
@@ -8,7 +8,7 @@ use crate::functions::function::Function;
 use crate::program::Operand;
 use crate::program::arrays::Affine;
 
-/// The text of the public function.
+/// The text of the public function `linearize`.
 pub(super) fn items(context: &Context<'_>, function: &Function, form: &Affine, name: &str) -> Vec<String> {
     let face = function.program.face();
     let body = Body::new(context, &face);
@@ -54,7 +54,8 @@ fn statements(body: &Body<'_>, form: &Affine) -> Vec<String> {
     [declaration, call].into_iter().chain(columns).chain([affine]).chain(drift).collect()
 }
 
-/// Statements that write the matrix D, which [`Affine::drift`] defines.
+/// Statements that write the matrix D in `δ̇ = D δ + v − v̄`, the linearized motion of joints with
+/// quaternions.
 fn drift_statements(form: &Affine, drift: &str, v: &str) -> Vec<String> {
     let n = form.called.coordinates().len();
     let clear = format!("memset({drift}, 0, {} * sizeof *{drift});", n * n);

@@ -1,4 +1,4 @@
-//! Loops of functions in array form. Their texts are included in modules that use them.
+//! Texts of loops over joints, which are included in modules whose functions use them.
 
 use super::arrays::{MEETINGS, RELATIONS};
 use super::context::Context;
@@ -6,7 +6,7 @@ use crate::emit::arrays::Row;
 use crate::emit::options::Scalar;
 use crate::program::arrays::{ArrayForm, Arrays, Step};
 
-/// Text of the loops that the functions of a module call. The sizes of rows come first.
+/// Text of the loops over joints that the functions of a module call. The sizes of rows come first.
 pub(super) fn text(context: &Context<'_>) -> String {
     let functions = context.module.functions.iter();
     let forms: Vec<&ArrayForm> = functions.filter_map(|function| function.arrays.as_ref()).collect();
@@ -61,7 +61,7 @@ fn parts(context: &Context<'_>, form: &Arrays) -> [&'static str; 3] {
     ]
 }
 
-/// Text of sums of products of single numbers.
+/// Text of the loops that compute sums of products of single numbers.
 fn products(form: &Arrays) -> &'static str {
     match form.is_fused {
         true => include_str!("array_kernels/products_fused.c"),
@@ -86,7 +86,7 @@ fn of_joints(form: &Arrays, text: &str) -> String {
     }
 }
 
-/// Macros for the lengths of rows.
+/// Macros for the lengths of array rows.
 fn sizes(form: &Arrays) -> String {
     let row = Row::new(form);
     if form.coordinates.is_some() {
@@ -107,8 +107,8 @@ fn sizes(form: &Arrays) -> String {
     )
 }
 
-/// Macros for the order of the pivots in the inversion of M, and for the pairs of rows that have common
-/// non-zero entries.
+/// Macros for the order of the pivots in the inversion of the mass matrix, and for the pairs of rows that
+/// have common non-zero entries.
 fn meetings(form: &Arrays) -> String {
     let mut text =
         "\n// Joint of each pivot, from the base, and whether the inversion combines the rows of two joints.\n".to_owned();

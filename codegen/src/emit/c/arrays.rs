@@ -1,5 +1,4 @@
-//! Prints functions in array form: straight-line code for the first arrays (the setup), then calls of loops
-//! over joints.
+//! Prints functions with loops over joints: straight-line code for the first arrays, then calls of the loops.
 
 use super::body::{Body, JOINT};
 use super::context::Context;
@@ -11,14 +10,15 @@ use crate::program::arrays::{Arrays, Map, Pairs, Step};
 use crate::program::split;
 use crate::program::{Operand, Program, Shape};
 
-/// Name of the table of [`arrays::relation`].
+/// Name of the table that says for each pair of joints whether one carries the other ([`arrays::relation`]).
 pub(super) const RELATIONS: &str = "relations";
 pub(super) const MEETINGS: &str = "meetings";
 
-/// Initial value of arrays with entries that are not written.
+/// Initial value of arrays in which not every entry is written.
 const CLEARED: &str = " = {0}";
 
-/// The texts of a function: setup, loops, and the public function.
+/// The texts of a function with loops over joints: the straight-line code before the loops, the loops, and
+/// the public function.
 pub(super) fn items(context: &Context<'_>, function: &Function, form: &Arrays, name: &str) -> Vec<String> {
     let face = function.program.face();
     let body = Body::new(context, &face);
@@ -37,11 +37,11 @@ pub(super) fn local_numbers(context: &Context<'_>, function: &Function, form: &A
     arrays.map(|array| form.arrays[array].rows * emission.row.of(form, array)).sum()
 }
 
-/// Storage of an array in the printed text.
+/// Place of an array's entries in the printed function.
 enum Place {
-    /// The array is a constant.
+    /// The array is a constant of the module.
     Table,
-    /// The array is a local variable.
+    /// The array is a local variable of the function.
     Local,
     /// The array is the result of the function with this name.
     Result(String),
@@ -80,7 +80,7 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// All statements of the function, in order.
+    /// All statements of the function with loops over joints, in order.
     fn statements(&self) -> Vec<String> {
         let arrays = 0..self.form.setup.outputs.len();
         let mut statements: Vec<String> = arrays.filter_map(|array| self.setup_array(array)).collect();
@@ -92,7 +92,8 @@ impl<'a> Emission<'a> {
         statements
     }
 
-    /// Declaration of an array that the setup fills, or definition of a constant array.
+    /// Declaration of an array that the straight-line code before the loops fills, or definition of a
+    /// constant array.
     fn setup_array(&self, array: usize) -> Option<String> {
         match table(self.form, array) {
             Some(entries) => Some(self.table(array, &entries)),
@@ -128,7 +129,7 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// Distance between two rows of an array, in entries.
+    /// Distance between two rows of an array over joints, in entries.
     fn width(&self, array: usize) -> usize {
         match self.places[array] {
             Place::Table | Place::Local => self.row.of(self.form, array),
@@ -184,7 +185,7 @@ impl<'a> Emission<'a> {
         self.declaration(to, "").into_iter().chain([call]).collect()
     }
 
-    /// Inverts a copy of the matrix, because a later step may read the matrix.
+    /// Statements that invert a copy of a matrix, because a later step may read the matrix itself.
     fn invert(&self, from: usize, to: usize) -> Vec<String> {
         match self.form.coordinates {
             None => self.add_relations(),
@@ -213,7 +214,7 @@ impl<'a> Emission<'a> {
         self.call("pairs", &arguments, pairs.to)
     }
 
-    /// Adds the table of the relations of joints if the joints are not a chain.
+    /// Adds the table that says which joints carry each other, if the joints are not a chain.
     fn add_relations(&self) {
         let about = "Relation of joint j to joint i: -1 if j is before i on its path to the base, 1 if j is i or beyond i, otherwise 0.";
         if !self.form.is_chain() {
@@ -226,8 +227,8 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// Adds the table of the pairs of coordinates with common non-zero entries in the inverse of M, if they
-    /// are not a chain.
+    /// Adds the table of the pairs of coordinates with common non-zero entries in the inverse mass matrix, if
+    /// they are not a chain.
     fn add_meetings(&self) {
         let about = "Whether the inversion of the mass matrix combines the rows of coordinates i and j: 1 if it does, otherwise 0.";
         let tree = self.form.coordinates();
@@ -266,7 +267,7 @@ impl<'a> Emission<'a> {
         self.declaration(to, value).into_iter().chain([call]).collect()
     }
 
-    /// Declarations of the arrays that a step writes, and call of the step's loop.
+    /// Declarations of the arrays that a loop over joints writes, and call of the loop.
     fn map(&self, map: &Map) -> Vec<String> {
         let callee = self.map_function(map);
         let arrays = map.reads.iter().chain(&map.writes);
@@ -293,7 +294,7 @@ impl<'a> Emission<'a> {
         format!("{}_setup", self.name)
     }
 
-    /// Indices of the arrays that the setup fills.
+    /// Indices of the arrays that the straight-line code before the loops fills.
     fn filled(&self) -> impl Iterator<Item = usize> {
         (0..self.form.setup.outputs.len()).filter(|&array| matches!(self.places[array], Place::Local))
     }
@@ -305,7 +306,7 @@ impl<'a> Emission<'a> {
         layout::call(4, &self.setup_name(), &arguments, ";")
     }
 
-    /// The setup as a function, which is split into parts if it is long.
+    /// The straight-line code before the loops as a function, which is split into parts if it is long.
     fn setup_items(&self) -> Vec<String> {
         let outputs = self.filled().map(|array| self.form.setup.outputs[array].clone()).collect();
         let program = Program { outputs, ..self.form.setup.clone() };

@@ -1,4 +1,4 @@
-//! Names of the values of a function, and texts of operands and results.
+//! Names of the values of a printed function, and texts of operands and results.
 
 use super::context::Context;
 use super::group;
@@ -6,19 +6,21 @@ use crate::emit::names::ProgramNames;
 use crate::program::flow::Flow;
 use crate::program::{Operand, Operation, Output, Program, Shape};
 
-/// The program of a function with the names of its values.
+/// The program of a printed function with the names of its values.
 pub(super) struct Body<'a> {
     pub(super) context: &'a Context<'a>,
     pub(super) program: &'a Program,
     pub(super) flow: Flow,
     pub(super) names: ProgramNames,
-    /// Whether the function evaluates several states at once. Arguments then contain [`group::COUNT`] states.
+    /// Whether the function evaluates several states at once. Arguments then contain [`group::COUNT`] states
+    /// each.
     pub(super) over_lanes: bool,
-    /// Length of a row if inputs and results are rows in a loop over joints; otherwise `None`.
+    /// Length of an array row if inputs and results are rows in a loop over joints; otherwise `None`.
     pub(super) row: Option<usize>,
     /// Length of a row if results are matrices with padded rows; otherwise `None`.
     pub(super) stride: Option<usize>,
-    /// For each value, the result entries to which it is stored, as indices of the result and its entry.
+    /// For each value, the result entries to which it is written. Each is given by the index of the result
+    /// and of the entry.
     pub(super) stored: Vec<Vec<(usize, usize)>>,
 }
 
@@ -32,7 +34,7 @@ impl<'a> Body<'a> {
         Self::with_results(context, program, !returns_number(program))
     }
 
-    /// Creates a body over several states. All results are arguments.
+    /// Creates a body that evaluates several states at once. All results are arguments.
     pub(super) fn over_lanes(context: &'a Context<'a>, program: &'a Program) -> Self {
         Self { over_lanes: true, ..Self::with_results(context, program, true) }
     }
@@ -61,13 +63,13 @@ impl<'a> Body<'a> {
         body
     }
 
-    /// This body without stores to the results.
+    /// This body, but without the statements that write results.
     pub(super) fn without_stores(mut self) -> Self {
         self.stored = vec![];
         self
     }
 
-    /// Name of the value with this index.
+    /// Name in C of the value with this index.
     pub(super) fn name(&self, index: usize) -> &str {
         &self.names.values[self.flow.canonical(index)]
     }
@@ -80,7 +82,7 @@ impl<'a> Body<'a> {
         self.context.spelling.distinct(names, &taken)
     }
 
-    /// Type of a value in C.
+    /// Type in C of the function's values.
     pub(super) fn ty(&self) -> String {
         match self.over_lanes {
             true => group::ty(self.context),
@@ -163,7 +165,7 @@ pub(super) fn returns_number(program: &Program) -> bool {
     matches!(program.outputs.as_slice(), [Output { shape: Shape::Scalar, .. }])
 }
 
-/// Text of the entry of a row in a loop over joints.
+/// Text of an array entry in a loop over joints.
 pub(super) fn in_row(name: &str, row: usize, len: usize) -> String {
     match row {
         0 => format!("{name}[{JOINT}]"),

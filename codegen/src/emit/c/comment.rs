@@ -1,4 +1,4 @@
-//! Prints comments of C. Texts of a description cannot end a comment.
+//! Prints comments of C. Texts of a description cannot end such a comment.
 
 use crate::emit::documentation::Block;
 use crate::emit::text::{visible, wrap};

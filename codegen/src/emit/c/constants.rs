@@ -64,15 +64,15 @@ pub(super) fn entry_type(context: &Context<'_>) -> Option<String> {
     })
 }
 
-/// A constant in C.
+/// Declaration of a constant in C.
 enum Object {
     Macro(String),
-    /// An array without entries, which C does not support.
+    /// An array without entries. It is left out, because C does not support it.
     Empty,
     Array {
-        /// Type before the name, with a space or a star at its end.
+        /// Type in front of the constant's name, with a space or a star at its end.
         ty: String,
-        /// Lengths in brackets after the name.
+        /// Lengths of the constant in brackets after its name.
         lengths: String,
         entries: Vec<String>,
     },

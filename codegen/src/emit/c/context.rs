@@ -11,17 +11,17 @@ use crate::emit::names::Spelling;
 use crate::emit::options::EmitOptions;
 use crate::module::Module;
 
-/// A module while it is printed.
+/// A module and the names in it while it is printed as C.
 pub(super) struct Context<'a> {
     pub(super) module: &'a Module,
     pub(super) options: &'a EmitOptions,
-    /// Name of the files without extension.
+    /// Name of the module's files without extension.
     pub(super) name: String,
     /// Prefix of the names of functions and types, for example `ur5`.
     prefix: String,
-    /// Rules for names inside functions.
+    /// Rules for names inside functions, such as reserved words.
     pub(super) spelling: Spelling,
-    /// Names of the free parameters as fields of the struct.
+    /// Names of the free parameters as fields of the struct `Parameters`.
     pub(super) parameters: Vec<String>,
     /// Names of the functions in C, in the order of the module.
     pub(super) functions: Vec<String>,
@@ -33,14 +33,14 @@ pub(super) struct Context<'a> {
     pub(super) sign: Cell<bool>,
     /// Whether the printed text negates a fused multiply-add.
     pub(super) negation: Cell<bool>,
-    /// Private functions of array forms, which several functions may call.
+    /// Private functions for loops over joints, which several functions may call.
     pub(super) shared: Shared,
-    /// Private constants for the loops of array forms.
+    /// Private constants that loops over joints read.
     pub(super) tables: Shared,
-    /// Private elementary functions for several states at once.
+    /// Private elementary functions for eight states at once.
     pub(super) of_lanes: Shared,
-    /// Names in C of the functions over several states, by the names of the corresponding functions in the
-    /// module.
+    /// Names in C of the functions for eight states at once, by the module's names of the functions for one
+    /// state.
     lanes: BTreeMap<&'a str, String>,
 }
 
@@ -81,7 +81,7 @@ impl<'a> Context<'a> {
         format!("{}_{name}", self.prefix)
     }
 
-    /// Name in C of the version of a function for several states; `None` if there is no such version.
+    /// Name in C of the version of a function for eight states at once; `None` if there is no such version.
     pub(super) fn lanes_of(&self, function: &str) -> Option<&str> {
         self.lanes.get(function).map(String::as_str)
     }
@@ -95,12 +95,12 @@ impl<'a> Context<'a> {
         format!("{}_{name}", self.prefix.to_uppercase())
     }
 
-    /// Type of numbers.
+    /// Number type in C: `double` or `float`.
     pub(super) fn ty(&self) -> &'static str {
         self.options.scalar.c_type()
     }
 
-    /// A number as a literal.
+    /// A number as a literal of C.
     pub(super) fn literal(&self, number: f64) -> String {
         self.options.scalar.c_literal(number)
     }
@@ -151,7 +151,7 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    /// The text of all items.
+    /// The text of all shared items, in the order in which they were added.
     pub(super) fn text(&self) -> String {
         self.items.borrow().iter().map(|item| format!("\n{item}")).collect()
     }

@@ -1,4 +1,5 @@
-//! Prints functions over a sample time. They are fixed texts that call functions of the module.
+//! Prints functions over a sample time, such as `step`. They are fixed texts that call functions of the
+//! module.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +13,7 @@ use crate::emit::names::spelled;
 use crate::functions::composition::Composition;
 use crate::module::ComposedFunction;
 
-/// Declaration of a function with its documentation, for the header.
+/// Declaration of a function over a sample time with its documentation, for the header.
 pub(super) fn declaration(context: &Context<'_>, composed: &ComposedFunction) -> String {
     let results = composed.results.iter().map(|result| {
         signature::result_label(&spelled(result.name), result.name, &shape_text(&result.extents))
@@ -37,7 +38,7 @@ fn head(context: &Context<'_>, composed: &ComposedFunction, tail: &str) -> Strin
     layout::call(0, &format!("void {name}"), &arguments, tail)
 }
 
-/// The definitions of the functions, after the texts that they share.
+/// Definitions of the functions over a sample time, after the texts that they share.
 pub(super) fn text(context: &Context<'_>) -> String {
     let compositions = context.module.compositions.iter();
     let texts = [shared(context), own(context)].concat().into_iter().filter(|text| !text.is_empty());
@@ -48,7 +49,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
     texts.chain(functions).collect()
 }
 
-/// The shared texts that all robots use.
+/// The shared texts that functions over a sample time need for every robot.
 fn shared(context: &Context<'_>) -> Vec<&'static str> {
     let compositions = context.module.compositions.iter();
     let texts: BTreeSet<Text> = compositions.flat_map(|each| each.composition.texts()).copied().collect();
@@ -57,7 +58,7 @@ fn shared(context: &Context<'_>) -> Vec<&'static str> {
     texts.map(Text::c_source).collect()
 }
 
-/// The shared texts that depend on whether the robot has quaternions.
+/// The texts that functions over a sample time need either with or without quaternions.
 fn own(context: &Context<'_>) -> Vec<&'static str> {
     let compositions = context.module.compositions.iter().map(|each| each.composition);
     if context.module.has_quaternions() {

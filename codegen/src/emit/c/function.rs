@@ -1,12 +1,12 @@
-//! Prints a function as straight-line code or as loops over joints, and its version for several states at
-//! once.
+//! Prints a function as straight-line code or as loops over joints, and its version for eight states at once.
 
 use super::context::Context;
 use super::{affine, arrays, lanes, straight};
 use crate::functions::function::Function;
 use crate::program::arrays::ArrayForm;
 
-/// The texts of a function: private functions, the public function, then the functions over several states.
+/// The texts of a function: private functions, the public function, then the functions for eight states at
+/// once.
 pub(super) fn items(context: &Context<'_>, function: &Function, name: &str) -> Vec<String> {
     let mut items = match &function.arrays {
         Some(ArrayForm::Steps(form)) => arrays::items(context, function, form, name),

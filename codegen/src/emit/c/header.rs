@@ -1,4 +1,4 @@
-//! Prints the header of a module.
+//! Prints the header of a C module.
 
 use super::context::Context;
 use super::{comment, constants, discrete_time, lanes, parameters, positions, public, stack};
@@ -37,13 +37,13 @@ pub(super) fn text(context: &Context<'_>) -> String {
     )
 }
 
-/// The comment at the top of header and source.
+/// The comment at the top of header and source, which names the command that regenerates them.
 pub(super) fn top(context: &Context<'_>) -> String {
     let lines = header::lines(context.module, &context.options.command);
     lines.iter().map(|line| comment::ended(line)).collect()
 }
 
-/// Comment about the calling convention.
+/// Comment in the header about the calling convention of all functions.
 fn conventions(context: &Context<'_>) -> String {
     let (n, function) = (context.constant("N"), context.function(""));
     let (capitals, ty) = (context.constant(""), context.ty());

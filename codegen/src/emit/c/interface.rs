@@ -138,7 +138,8 @@ fn of_positions(context: &Context<'_>) -> Vec<Callable> {
     functions(context).iter().filter(|each| **each != PositionFunction::Normalize).map(callable).collect()
 }
 
-/// The lengths of an argument. The entries of wrenches and driven joints form rows.
+/// The lengths of an argument's array. The entries of wrenches and of driven joints (prescribed position,
+/// velocity and acceleration) form rows.
 fn rows(extent: Extent) -> Vec<Extent> {
     match extent.row() {
         Some(row) => vec![Extent::new(extent.dimension, extent.len / row), Extent::fixed(row)],

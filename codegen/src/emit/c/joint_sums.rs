@@ -1,4 +1,4 @@
-//! Prints functions for sums over joints: along paths to the base, over subtrees, and over the joints of a
+//! Prints functions that sum over joints: along paths to the base, over subtrees, and over the joints of a
 //! coordinate.
 
 use super::arrays::Emission;
@@ -29,7 +29,7 @@ impl Emission<'_> {
         self.sum_function("sum_subtrees", "Sums over the subtree of each joint.", &sums)
     }
 
-    /// Statements that sum a row over joints to a row over coordinates.
+    /// Statements that sum a row with an entry per joint to a row with an entry per coordinate.
     fn collected(&self) -> Vec<String> {
         let joints = followers(self.form).into_iter().enumerate();
         let sum = |(coordinate, joints): (usize, Vec<usize>)| {
@@ -62,7 +62,8 @@ impl Emission<'_> {
         self.gather("gather_last", about, [self.row.len; 2], &sources)
     }
 
-    /// Adds a function that copies entries of rows, and returns its name. Entries without a source stay zero.
+    /// Adds a private function that copies entries of rows, and returns its name. Entries without a source
+    /// stay zero.
     fn gather(&self, stem: &str, about: &str, lengths: [usize; 2], sources: &[Option<usize>]) -> String {
         let copies = sources.iter().enumerate();
         let copies = copies.filter_map(|(place, &source)| Some(format!("to[{place}] = from[{}];", source?)));
@@ -103,7 +104,7 @@ impl Emission<'_> {
         self.function(stem, about, [self.row.len; 2], sums)
     }
 
-    /// Adds a function that applies statements to each row, and returns its name.
+    /// Adds a private function that applies statements to each row, and returns its name.
     ///
     /// - `lengths`: length of a row that is read, and of a row that is written, including padding
     fn function(&self, stem: &str, about: &str, [from, to]: [usize; 2], sums: &[String]) -> String {

@@ -22,15 +22,15 @@ use crate::emit::text::code;
 use crate::functions::function::Function;
 use crate::layout::Extent;
 
-/// Definition of the number of states, for the header; `None` if the module has no functions over several
-/// states.
+/// Definition of the number of states that a call evaluates at once, for the header; `None` if no function of
+/// the module evaluates several states.
 pub(super) fn size(context: &Context<'_>) -> Option<String> {
     let about = comment::paragraph("Number of states per call of a function whose name ends in `_lanes`.");
     context.has_lanes().then(|| format!("{about}#define {} {COUNT}\n", context.constant("LANES")))
 }
 
-/// Declaration of a function over several states, with its documentation; `None` if the function has no such
-/// version.
+/// Declaration of the function that evaluates eight states at once, with its documentation; `None` if there
+/// is no such function.
 pub(super) fn declaration(context: &Context<'_>, function: &Function) -> Option<String> {
     let name = context.lanes_of(&function.name)?;
     let body = Body::over_lanes(context, &function.program);
@@ -51,9 +51,9 @@ pub(super) fn declaration(context: &Context<'_>, function: &Function) -> Option<
     Some(format!("{}{head}\n", comment::documentation(&blocks)))
 }
 
-/// The texts of a function over several states: private functions over a group of states that fit in one
-/// register, then the public function that calls these functions for each group. Empty if the function has no
-/// version over several states.
+/// The texts of a function that evaluates eight states at once: private functions for a group of states that
+/// fit in one register, then the public function that calls these functions for each group. Empty if the
+/// function evaluates only one state.
 pub(super) fn items(context: &Context<'_>, function: &Function) -> Vec<String> {
     let Some(name) = context.lanes_of(&function.name) else {
         return vec![];

@@ -28,7 +28,7 @@ pub(super) fn braces(indent: usize, entries: &[String]) -> String {
     format!("{{\n{}\n}}", filled(indent, entries))
 }
 
-/// Distributes entries over several lines.
+/// Distributes the entries of a list over lines of limited length.
 fn filled(indent: usize, entries: &[String]) -> String {
     let mut lines = vec![FURTHER.to_owned()];
     for (index, entry) in entries.iter().enumerate() {
@@ -45,7 +45,7 @@ fn filled(indent: usize, entries: &[String]) -> String {
     lines.join("\n")
 }
 
-/// The text of a function with indented statements.
+/// The text of a C function with its statements indented.
 pub(super) fn function(head: &str, statements: &[String]) -> String {
     let body: String = statements.iter().map(|statement| indented(statement)).collect();
     format!("{head}\n{{\n{body}}}\n")

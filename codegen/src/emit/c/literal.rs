@@ -1,9 +1,9 @@
-//! Literals of C, which have exactly the bits of the numbers and the bytes of the texts.
+//! Prints literals of C that have exactly the bits of the numbers and the bytes of the texts.
 
 use crate::emit::options::Scalar;
 
 impl Scalar {
-    /// Name of the type in C.
+    /// Name of the number type in C: `double` or `float`.
     pub(super) fn c_type(self) -> &'static str {
         match self {
             Self::F64 => "double",
@@ -11,7 +11,7 @@ impl Scalar {
         }
     }
 
-    /// A number as a literal of this type.
+    /// A number as a literal of this number type in C.
     pub(super) fn c_literal(self, number: f64) -> String {
         #[allow(clippy::cast_possible_truncation, reason = "f32 constants are the rounded f64 ones")]
         let single = number as f32;
@@ -29,7 +29,7 @@ fn infinity(number: f64) -> String {
     if number < 0.0 { "-INFINITY" } else { "INFINITY" }.to_owned()
 }
 
-/// A text as a string literal in UTF-8, without trigraphs.
+/// A text as a string literal of C in UTF-8, without trigraphs.
 pub(super) fn string(text: &str) -> String {
     let mut literal = String::from("\"");
     for byte in text.bytes() {
@@ -59,7 +59,7 @@ pub(super) fn in_scalar(text: &str, scalar: Scalar) -> String {
     }
 }
 
-/// Appends `f` to each number with a decimal point.
+/// Appends `f` to each number with a decimal point, so that C reads the numbers as `float`.
 fn with_suffixes(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut letters = text.chars().peekable();

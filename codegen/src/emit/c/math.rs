@@ -1,5 +1,5 @@
-//! Elementary functions in C. They are texts that are included in the module, or functions of the C library
-//! that are single instructions.
+//! Elementary functions in C. They are texts that the module includes, or functions of the C library that are
+//! single processor instructions.
 
 use gelenk_kernels::math::{C_BITS, C_BITS_F32, Kernel};
 
@@ -25,24 +25,24 @@ pub(super) fn callee(context: &Context<'_>, function: Call) -> String {
     }
 }
 
-/// Name of the function that computes `a b + c` with one rounding.
+/// Name of the C function that computes `a b + c` with one rounding.
 pub(super) fn multiply_add(context: &Context<'_>) -> String {
     of_scalar(context, "fma")
 }
 
-/// Name of the function that negates a fused multiply-add. Without this function, gcc 12 would replace
-/// `−(a b + c)` by `−a b − c`, whose sign differs if the value is zero.
+/// Name of the C function that negates a fused multiply-add. Without it, gcc 12 would replace `−(a b + c)` by
+/// `−a b − c`, whose sign differs if the value is zero.
 pub(super) fn negate_fused(context: &Context<'_>) -> String {
     context.negation.set(true);
     context.function("negated")
 }
 
-/// Name of the function that computes sine and cosine of one angle.
+/// Name of the C function that computes sine and cosine of one angle.
 pub(super) fn sin_cos(context: &Context<'_>) -> String {
     own(context, [Kernel::SinCos, Kernel::SinCosF32])
 }
 
-/// Name of the function that computes sines and cosines of 2, 4 or 8 angles.
+/// Name of the C function that computes sines and cosines of `lanes` = 2, 4 or 8 angles.
 pub(super) fn sin_cos_of(context: &Context<'_>, lanes: usize) -> String {
     own(context, kernels::sin_cos_of(lanes))
 }
@@ -60,7 +60,8 @@ fn of_scalar(context: &Context<'_>, name: &str) -> String {
     }
 }
 
-/// The text of the functions that the module calls, and of all functions that these functions call.
+/// The text of the elementary functions that the module calls, and of all functions that these functions
+/// call.
 pub(super) fn text(context: &Context<'_>) -> String {
     let needed = kernels::needed(&context.kernels.borrow());
     let texts = needed.iter().map(|&kernel| source(kernel));

@@ -165,13 +165,13 @@ const KEYWORDS: [&str; 159] = [
     "xor_eq",
 ];
 
-/// Rules for names of values, fields and functions. Such a name must not begin with one of the prefixes,
-/// because names of the module itself begin with them.
+/// Rules for names of values, fields and functions in C. Such a name must not begin with one of the given
+/// prefixes, because names of the module itself begin with them.
 pub(super) fn spelling(prefixes: Vec<String>) -> Spelling {
     Spelling { keywords: &KEYWORDS, has_free_underscores: false, prefixes }
 }
 
-/// Prefix of a module's names without the underscore, made from the name of the module's files.
+/// Prefix of a module's names in C without the underscore after it, made from the name of the module's files.
 pub(super) fn prefix(name: &str) -> String {
     spelling(vec![]).identifier(name).trim_end_matches('_').to_owned()
 }

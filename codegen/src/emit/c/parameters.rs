@@ -1,10 +1,11 @@
-//! Prints the struct of a model's free parameters.
+//! Prints the C struct of a model's free parameters.
 
 use super::comment;
 use super::context::Context;
 use crate::emit::documentation::of_parameter;
 
-/// The struct, and the declaration of the values of the description; empty if there are no free parameters.
+/// The struct of the free parameters, and the declaration of the values that the description gives them;
+/// empty if there are no free parameters.
 pub(super) fn declarations(context: &Context<'_>) -> Vec<String> {
     if !context.has_parameters() {
         return vec![];
@@ -31,7 +32,8 @@ pub(super) fn declarations(context: &Context<'_>) -> Vec<String> {
     ]
 }
 
-/// Definition of the values of the description; `None` if there are no free parameters.
+/// Definition of the constant with the description's values of the free parameters; `None` if there are no
+/// free parameters.
 pub(super) fn definition(context: &Context<'_>) -> Option<String> {
     let parameters = context.module.parameters.iter().zip(&context.parameters);
     let values = parameters

@@ -1,4 +1,4 @@
-//! Prints a long function as several private functions (parts), which exchange values through arrays.
+//! Prints a long C function as several private functions (parts), which exchange values through arrays.
 
 use super::body::Body;
 use super::{layout, signature};
@@ -34,7 +34,7 @@ pub(super) fn calls(body: &Body<'_>, name: &str, parts: &[Part]) -> Vec<String> 
     statements
 }
 
-/// The texts of the private functions.
+/// The texts of the private functions into which a long function is split.
 ///
 /// - `body`: a body without stores to results
 pub(super) fn items(body: &Body<'_>, name: &str, parts: &[Part]) -> Vec<String> {
@@ -42,7 +42,8 @@ pub(super) fn items(body: &Body<'_>, name: &str, parts: &[Part]) -> Vec<String> 
     parts.map(|(index, part)| private(body, &part_name(name, index), part)).collect()
 }
 
-/// The private function of a part. It is never inlined, because inlining would undo the division into parts.
+/// The private function of one part of a long function. It is never inlined, because inlining would undo the
+/// division into parts.
 fn private(body: &Body<'_>, name: &str, part: &Part) -> String {
     let context = body.context;
     let ty = body.ty();

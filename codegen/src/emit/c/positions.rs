@@ -7,7 +7,7 @@ use super::{comment, layout, math, signature};
 use crate::emit::documentation::{self, Labels, shape_text};
 use crate::functions::position_functions::{PositionFunction, PositionValue, extents};
 
-/// Include of the C library that these functions need; empty without quaternions.
+/// Include of the C library for the functions of positions with quaternions; empty without quaternions.
 pub(super) fn include(context: &Context<'_>) -> &'static str {
     match context.module.has_quaternions() {
         true => "#include <stdbool.h>\n\n",
@@ -15,12 +15,13 @@ pub(super) fn include(context: &Context<'_>) -> &'static str {
     }
 }
 
-/// Declarations of the functions with their documentation, for the header; empty without quaternions.
+/// Declarations of the functions of positions with their documentation, for the header; empty without
+/// quaternions.
 pub(super) fn declarations(context: &Context<'_>) -> Vec<String> {
     functions(context).iter().map(|&function| declaration(context, function)).collect()
 }
 
-/// The definitions of the functions, after the texts that they share; empty without quaternions.
+/// Definitions of the functions of positions, after the texts that they share; empty without quaternions.
 pub(super) fn text(context: &Context<'_>) -> String {
     if !context.module.has_quaternions() {
         return String::new();
@@ -77,7 +78,7 @@ fn head(context: &Context<'_>, function: PositionFunction, tail: &str) -> String
     layout::call(0, &format!("{ty} {}", context.function(function.name())), &arguments, tail)
 }
 
-/// Names of a function's results in the fixed texts.
+/// Names of the results of a function of positions in the fixed texts.
 pub(super) fn results_of(function: PositionFunction) -> &'static [&'static str] {
     match function {
         PositionFunction::Integrate => &["y_next"],

@@ -1,4 +1,4 @@
-//! Prints declaration and head of a public function.
+//! Prints declaration and head of a public C function.
 
 use super::body::Body;
 use super::context::Context;
@@ -6,7 +6,7 @@ use super::{comment, signature};
 use crate::emit::documentation::{self, Labels, argument_shape};
 use crate::functions::function::Function;
 
-/// Declaration of a function with its documentation, for the header.
+/// Declaration of a public function with its documentation, for the header.
 ///
 /// - `stack`: sentence about the stack size
 pub(super) fn declaration(context: &Context<'_>, function: &Function, name: &str, stack: String) -> String {
@@ -25,7 +25,7 @@ pub(super) fn declaration(context: &Context<'_>, function: &Function, name: &str
     format!("{documentation}{}\n", signature::head(&body, name, ";"))
 }
 
-/// Head of a function: type, name and arguments.
+/// Head of a C function: type, name and arguments.
 pub(super) fn head(body: &Body<'_>, name: &str) -> String {
     signature::head(body, name, "")
 }

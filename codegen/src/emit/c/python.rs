@@ -1,4 +1,4 @@
-//! Prints loops over many states for Python. They are generalized universal functions of NumPy.
+//! Prints loops over many states for Python. NumPy calls them as generalized universal functions.
 //!
 //! NumPy passes plain pointers, lengths and strides, so the text needs no header of Python or NumPy.
 
@@ -24,14 +24,14 @@ pub(super) fn text(context: &Context<'_>) -> String {
     .concat()
 }
 
-/// Beginning of the file: types, and access to operands. The entries of an operand may have a stride, for
-/// example in a column of a matrix.
+/// Beginning of `<name>_python.c`: types, and access to operands. The entries of an operand may have a
+/// stride, for example in a column of a matrix.
 const BEGIN: &str = include_str!("python/begin.c");
 
 /// Text of the loop over blocks of eight states.
 const LANES: &str = include_str!("python/lanes.c");
 
-/// Text that replaces [`LANES`] if no function has a version for eight states.
+/// Text that replaces [`LANES`] if no function of the module evaluates eight states at once.
 const NO_LANES: &str = include_str!("python/no_lanes.c");
 
 const LOOP: &str = include_str!("python/loop.c");
@@ -40,8 +40,8 @@ const LOOP: &str = include_str!("python/loop.c");
 /// precision. The whole stack may have only 100 kB.
 const LARGEST_BLOCK: usize = 8_192;
 
-/// The loop of a function; `None` if no result has entries. Operands without entries are left out, because
-/// NumPy does not support lengths of zero.
+/// The loop over many states that calls a function; `None` if no result has entries. Operands without entries
+/// are left out, because NumPy does not support lengths of zero.
 fn function(context: &Context<'_>, interface: &Interface, function: &Callable) -> Option<String> {
     let arguments = function.arguments.iter().map(|argument| argument.extents.clone());
     let parameters = function.takes_parameters.then(|| vec![Extent::fixed(interface.parameters.len())]);
@@ -103,7 +103,7 @@ fn operand(extents: &[Extent]) -> String {
     format!("{{{}, {}, {{{}}}}}", extents.len(), entries(extents), lengths.join(", "))
 }
 
-/// Name of the version of a function for several states. `None` if there is no such version, or if its
+/// Name of the function that evaluates eight states at once. `None` if there is no such function, or if its
 /// operands are too large for the stack.
 fn lanes(context: &Context<'_>, function: &Callable) -> Option<String> {
     let arguments = function.arguments.iter().map(|argument| entries(&argument.extents));
@@ -112,7 +112,7 @@ fn lanes(context: &Context<'_>, function: &Callable) -> Option<String> {
     Some(context.function(name))
 }
 
-/// Statements that call a function, or its version for several states, with the operands `x`.
+/// Statements that call a function for one or eight states with the operands `x`.
 fn call(context: &Context<'_>, function: &Callable, lanes: Option<&str>) -> String {
     let mut taken = 0;
     let mut next = |is_there: bool| match is_there {

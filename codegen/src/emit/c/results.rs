@@ -1,6 +1,6 @@
-//! Prints stores to results.
+//! Prints the statements that write results.
 //!
-//! In code over several states, two adjacent entries are stored at once, because processors can perform only
+//! In code over several states, two adjacent entries are written at once, because processors can perform only
 //! few stores per cycle.
 
 use super::body::{Body, in_row};
@@ -8,7 +8,7 @@ use super::group;
 use crate::program::{Operand, Shape};
 
 impl Body<'_> {
-    /// Stores of all result entries for which `is_wanted` is true.
+    /// Statements that write all result entries for which `is_wanted` is true.
     pub(super) fn stores(&self, is_wanted: impl Fn(Operand) -> bool) -> Vec<String> {
         let outputs = self.program.outputs.iter().enumerate();
         let at_once = if self.over_lanes { 2 } else { 1 };
@@ -20,7 +20,7 @@ impl Body<'_> {
         stores.map(|(result, first)| self.store(result, first)).collect()
     }
 
-    /// Stores of the value with this index, after its statement.
+    /// Statements that write the value with this index to results, after the value's own statement.
     pub(super) fn stores_of(&self, index: usize) -> Vec<String> {
         let places = self.stored.get(index).into_iter().flatten();
         let stores = places.filter_map(|&(result, entry)| match self.over_lanes {
@@ -30,8 +30,8 @@ impl Body<'_> {
         stores.collect()
     }
 
-    /// Statement that stores a new entry together with its neighbour; `None` if the neighbour is computed
-    /// later.
+    /// Statement that writes a new entry of a result together with its neighbour; `None` if the neighbour is
+    /// computed later.
     ///
     /// - `index`: index of the new value
     fn store_pair_of(&self, result: usize, entry: usize, index: usize) -> Option<String> {
@@ -45,7 +45,8 @@ impl Body<'_> {
         is_known.then(|| self.store(result, first))
     }
 
-    /// Statement that stores an entry. In code over several states the next entry is stored, too.
+    /// Statement that writes an entry of a result. In code over several states the next entry is written,
+    /// too.
     fn store(&self, result: usize, first: usize) -> String {
         let (name, entries) = (&self.names.results[result], &self.program.outputs[result].entries);
         if self.over_lanes {

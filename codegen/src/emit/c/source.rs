@@ -42,8 +42,7 @@ pub(super) fn text(context: &Context<'_>) -> String {
     .concat()
 }
 
-/// Includes of the C library. The text needs them for types, macros, and functions that are single
-/// instructions.
+/// Includes of C library headers for the types, macros and single-instruction functions that the text uses.
 fn includes(context: &Context<'_>, body: &str) -> String {
     let needed = |header: &str, words: &[&str]| {
         let is_needed = words.iter().any(|word| body.contains(word));
@@ -59,7 +58,7 @@ fn includes(context: &Context<'_>, body: &str) -> String {
     format!("\n#include \"{}.h\"\n\n{headers}", context.name)
 }
 
-/// Text that stops the compilation if a setting of the compiler would silently change results.
+/// Text that stops the compilation if a setting of the compiler would change results without a warning.
 const CHECKS: &str = "
 // Every operation must be rounded once, to the type of its operands. Other precisions, contraction to fused
 // multiply-adds and algebraic transformations are not allowed, because elementary functions rely on this.

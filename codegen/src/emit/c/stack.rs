@@ -10,12 +10,12 @@ use crate::program::arrays::ArrayForm;
 use crate::program::flow::Flow;
 use crate::program::{Operation, Program, split};
 
-/// Bytes for saved registers and the return address.
+/// Bytes on the stack for saved registers and the return address of a call.
 const FRAME: usize = 64;
-/// Bytes for the call of an elementary function.
+/// Bytes on the stack for the call of an elementary function.
 const CALL: usize = 240;
-/// Number of bytes below which the exact size is not given, because saved registers and padding are as large
-/// as the values.
+/// Stack size in bytes below which no exact size is documented, because saved registers and padding are as
+/// large as the values.
 const LEAST: usize = 1000;
 
 /// Sentence about the stack size of a function of the module.
@@ -23,7 +23,7 @@ pub(super) fn of_function(context: &Context<'_>, function: &Function) -> String 
     sentence(bytes(context, function))
 }
 
-/// Sentence about the stack size of a function over a sample time.
+/// Sentence about the stack size of a function over a sample time, for example `step`.
 pub(super) fn of_composition(context: &Context<'_>, composition: Composition) -> String {
     let (n, m) = (context.module.coordinates, context.module.inputs);
     let numbers = match composition {
@@ -62,8 +62,8 @@ fn bytes(context: &Context<'_>, function: &Function) -> usize {
     FRAME + number(context) * numbers + if calls { CALL } else { 0 }
 }
 
-/// Number of values that are alive at the same time, plus the values that the parts of a long program
-/// exchange.
+/// Number of values of a program that are alive at the same time, plus the values that the parts of a long
+/// program exchange.
 fn values(program: &Program, longest: usize) -> usize {
     let flow = Flow::new(program);
     let parts = split::parts(program, &flow, longest);
@@ -78,7 +78,7 @@ fn called(context: &Context<'_>, name: &str) -> usize {
     function.map_or(0, |function| bytes(context, function))
 }
 
-/// Size of a number in bytes.
+/// Size of a number of the module in bytes: 8 or 4.
 fn number(context: &Context<'_>) -> usize {
     match context.options.scalar {
         Scalar::F64 => 8,

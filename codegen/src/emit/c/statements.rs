@@ -1,4 +1,4 @@
-//! Prints the statements of a function: one declaration per instruction.
+//! Prints the statements of a C function: one declaration per instruction.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use crate::program::{Operand, Operation};
 use gelenk_formula::Function as Call;
 
 impl Body<'_> {
-    /// All statements of the function. Each result entry is stored as soon as it is computed. If the only
+    /// All statements of a function. Each result entry is written as soon as it is computed. If the only
     /// result is a number, it is returned.
     pub(super) fn all_statements(&self) -> Vec<String> {
         let constants = match self.return_statement() {
@@ -20,7 +20,7 @@ impl Body<'_> {
         constants.into_iter().chain(statements).chain(self.return_statement()).collect()
     }
 
-    /// Statements of the instructions in this range.
+    /// Statements for the instructions in this range.
     pub(super) fn statements(&self, range: Range<usize>) -> Vec<String> {
         let made: Vec<usize> = range.filter(|&index| self.flow.is_made(index)).collect();
         // In code over several states, one call computes the angles of all states, so it does not take
@@ -41,7 +41,7 @@ impl Body<'_> {
         statements
     }
 
-    /// Statements of one instruction.
+    /// Statements for one instruction.
     ///
     /// - `helper`: name for an unused value
     fn statement(&self, index: usize, helper: &str) -> Vec<String> {
@@ -68,7 +68,7 @@ impl Body<'_> {
         }
     }
 
-    /// One call that computes the sines and cosines of several angles.
+    /// Statement with one call that computes the sines and cosines of several angles.
     fn batch(&self, batch: &[(usize, Operand)], lanes: usize, helper: &str) -> Vec<String> {
         let ty = self.context.ty();
         let zero = self.context.literal(0.0);
@@ -91,7 +91,7 @@ impl Body<'_> {
         statements
     }
 
-    /// Call of a function, or of its version for several states.
+    /// Call of an elementary function, or of its version for several states.
     fn call(&self, callee: &str, operands: &[Operand]) -> String {
         let callee = match self.over_lanes {
             true => group::of_each(self.context, callee, operands.len()),
@@ -113,7 +113,7 @@ impl Body<'_> {
         format!("{first} {operator} {}", self.operand(b))
     }
 
-    /// The right-hand side of an instruction, but not of a sine or cosine.
+    /// The right-hand side of an instruction's statement. Sines and cosines are not included.
     fn expression(&self, operation: Operation) -> String {
         let binary = |a, operator, b| self.binary(a, operator, b);
         match operation {
@@ -135,7 +135,7 @@ impl Body<'_> {
     }
 }
 
-/// Beginning of a helper's name.
+/// Beginning of the name of an auxiliary variable in a statement.
 fn helper(run: &Run) -> &'static str {
     match run {
         Run::One(_) => "unused",

@@ -1,4 +1,4 @@
-//! Prints functions as straight-line code. Long functions are split.
+//! Prints C functions as straight-line code. Long functions are split.
 
 use super::body::Body;
 use super::context::Context;
@@ -23,7 +23,7 @@ pub(super) fn longest(context: &Context<'_>) -> usize {
     context.options.longest_function.saturating_mul(LONGER)
 }
 
-/// The texts of a function: private functions, then the public function.
+/// The texts of a straight-line function: private functions for its parts, then the public function.
 pub(super) fn items(context: &Context<'_>, function: &Function, name: &str) -> Vec<String> {
     let body = Body::new(context, &function.program);
     let (mut items, statements) =
@@ -32,7 +32,7 @@ pub(super) fn items(context: &Context<'_>, function: &Function, name: &str) -> V
     items
 }
 
-/// The private functions of the parts of a long body, and the statements of the function.
+/// The private functions into which a long function is split, and the statements of the function.
 ///
 /// - `longest`: largest number of statements of a function
 /// - `again`: creates the body again, for the parts

@@ -1,5 +1,5 @@
-//! Prints `linearize` in array form: a call of `forward_dynamics_derivatives`, and code that computes the
-//! results of `linearize` from its results.
+//! Prints `linearize` of robots with loops over joints: a call of `forward_dynamics_derivatives`, and code
+//! that computes the results of `linearize` from its results.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -12,7 +12,7 @@ use crate::functions::function::Function;
 use crate::program::Operand;
 use crate::program::arrays::Affine;
 
-/// The public functions.
+/// The public functions of `linearize`.
 pub(super) fn items(
     context: &Context<'_>,
     function: &Function,
@@ -66,7 +66,8 @@ fn statements(body: &Body<'_>, form: &Affine) -> TokenStream {
     }
 }
 
-/// Statements that write the matrix D, which [`Affine::drift`] defines.
+/// Statements that write the matrix D in `δ̇ = D δ + v − v̄`, the linearized motion of joints with
+/// quaternions.
 fn drift_statements(body: &Body<'_>, form: &Affine, drift: &Ident, v: &Ident) -> TokenStream {
     let (zero, n) = (body.context.zero(), Literal::usize_unsuffixed(form.called.coordinates().len()));
     let entries = form.drift.iter().flatten().map(|entry| {

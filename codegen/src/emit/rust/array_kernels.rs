@@ -1,4 +1,4 @@
-//! Loops of functions in array form. Their texts are included in modules that use them.
+//! Texts of loops over joints, which are included in modules whose functions use them.
 
 use super::pasted;
 use crate::emit::arrays::Row;
@@ -6,7 +6,8 @@ use crate::emit::options::Scalar;
 use crate::functions::function::Function;
 use crate::program::arrays::{ArrayForm, Step};
 
-/// Text of a private module with the loops that the functions call; empty if no function has array form.
+/// Text of a private module with the loops over joints that the functions call; empty if no function has such
+/// loops.
 pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
     let forms: Vec<&ArrayForm> = functions.iter().filter_map(|function| function.arrays.as_ref()).collect();
     let Some(first) = forms.first().map(|form| form.arrays()) else {
@@ -51,11 +52,11 @@ pub(super) fn text(scalar: Scalar, functions: &[Function]) -> String {
     )
 }
 
-/// Texts of selections by bit masks, for rows of several blocks.
+/// Texts of selections between two numbers by bit masks, for rows of several SIMD blocks.
 const CHOICES: [&str; 2] =
     [include_str!("array_kernels/blocks/mask.rs"), include_str!("array_kernels/choose.rs")];
 
-/// Texts of the loops that compute matrices over pairs of joints.
+/// Texts of the loops that compute matrices with an entry per pair of joints.
 fn pairs(row: Row, block: &str) -> Vec<&str> {
     if row.is_one_block() {
         return vec![
@@ -74,7 +75,7 @@ fn pairs(row: Row, block: &str) -> Vec<&str> {
     ]
 }
 
-/// Text of the loops that invert M.
+/// Text of the loops that invert the mass matrix.
 fn inverse(row: Row) -> &'static str {
     match row.is_one_block() {
         true => include_str!("array_kernels/one_block/inverse.rs"),

@@ -1,5 +1,4 @@
-//! Prints functions in array form: straight-line code for the first arrays (the setup), then calls of loops
-//! over joints.
+//! Prints functions with loops over joints: straight-line code for the first arrays, then calls of the loops.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -16,7 +15,7 @@ use crate::program::arrays::{Arrays, Map, Pairs, Step};
 use crate::program::split::{self, Part};
 use crate::program::{Operand, Program, Shape};
 
-/// Names of items and variables of array forms, which other items must not have.
+/// Names of items and variables in functions with loops over joints. Other items must not have these names.
 pub(super) const RESERVED: [&str; 15] = [
     "arrays",
     "sum_ancestors",
@@ -35,7 +34,7 @@ pub(super) const RESERVED: [&str; 15] = [
     "is_before",
 ];
 
-/// The public functions and the setup of a function in array form.
+/// The public functions, and the function of the straight-line code before the loops.
 pub(super) fn items(
     context: &Context<'_>,
     function: &Function,
@@ -52,12 +51,12 @@ pub(super) fn items(
     items
 }
 
-/// Storage of an array in the printed text.
+/// Place of an array's entries in the printed function.
 #[derive(Clone)]
 enum Place {
-    /// The array is a constant.
+    /// The array is a constant of the module.
     Table(Ident),
-    /// The array is a local variable.
+    /// The array is a local variable of the function.
     Local(Ident),
     /// The array is a result of the function.
     Result(Ident),
@@ -70,7 +69,7 @@ pub(super) struct Emission<'a> {
     name: &'a Ident,
     pub(super) row: Row,
     places: Vec<Place>,
-    /// Variables that several arrays use in sequence, each with the number and length of its rows.
+    /// Variables that store several arrays one after another, each with the number and length of its rows.
     variables: Vec<(Ident, [usize; 2])>,
     /// For each array, the index of its shared variable; `None` if the array has its own variable.
     shares: Vec<Option<usize>>,
@@ -104,7 +103,7 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// Assigns shared variables to the arrays.
+    /// Assigns arrays to variables that several arrays use one after another.
     fn with_shared_rows(self, taken: &[String]) -> Self {
         let is_local = |array: usize| matches!(self.places[array], Place::Local(_));
         let shared = SharedRows::new(self.form, self.row, is_local);
@@ -113,7 +112,7 @@ impl<'a> Emission<'a> {
         Self { variables, shares: shared.of_arrays, ..self }
     }
 
-    /// All statements of the function that writes its results in place.
+    /// All statements of the function with loops that writes its results in place.
     fn statements(&self) -> TokenStream {
         let tables = (0..self.form.setup.outputs.len()).filter_map(|index| self.table(index));
         let locals = (0..self.form.setup.outputs.len()).filter_map(|index| self.declaration(index));
@@ -151,7 +150,7 @@ impl<'a> Emission<'a> {
         Some(quote!(#allowed static #name: #ty = arrays::Rows([#(#rows),*]);))
     }
 
-    /// Type of an array over joints.
+    /// Type in Rust of an array with `rows` rows over joints.
     fn ty(&self, rows: usize) -> TokenStream {
         let ty = self.context.ty();
         let (rows, lanes) = (Literal::usize_unsuffixed(rows), Literal::usize_unsuffixed(self.row.len));
@@ -252,7 +251,7 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// Inverts a copy of the matrix, because a later step may read the matrix.
+    /// Statements that invert a copy of a matrix, because a later step may read the matrix itself.
     fn invert(&self, from: usize, to: usize) -> TokenStream {
         let (Place::Local(matrix), Place::Local(inverse)) = (&self.places[from], &self.places[to]) else {
             unreachable!("matrices that are inverted, and their inverses, are local variables");
@@ -271,8 +270,8 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// Arguments for the order of the pivots from the base, and for the pairs of rows with common non-zero
-    /// entries.
+    /// Arguments for the inversion of the mass matrix: the order of the pivots from the base, and the pairs
+    /// of rows with common non-zero entries.
     fn pivots(&self) -> TokenStream {
         let tree = self.form.coordinates();
         let joints = Literal::usize_unsuffixed(tree.len());
@@ -331,7 +330,7 @@ impl<'a> Emission<'a> {
         }
     }
 
-    /// Declarations of the arrays that a step writes, and call of the step's loop.
+    /// Declarations of the arrays that a loop over joints writes, and call of the loop.
     fn map(&self, map: &Map) -> TokenStream {
         let callee = self.map_function(map);
         let written = map.writes.iter();
@@ -378,7 +377,7 @@ impl<'a> Emission<'a> {
         format_ident!("{}_setup", self.name)
     }
 
-    /// Indices of the arrays that the setup fills.
+    /// Indices of the arrays that the straight-line code before the loops fills.
     fn filled(&self) -> impl Iterator<Item = usize> {
         (0..self.form.setup.outputs.len()).filter(|&array| matches!(self.places[array], Place::Local(_)))
     }
@@ -391,7 +390,7 @@ impl<'a> Emission<'a> {
         quote!(#name(#(#arguments,)* #(#filled),*);)
     }
 
-    /// The setup as a function, which is split into parts if it is long.
+    /// The straight-line code before the loops as a function, which is split into parts if it is long.
     fn setup_items(&self, signature: &Signature) -> Vec<TokenStream> {
         let filled = self.filled();
         let program = Program {

@@ -1,4 +1,4 @@
-//! Names of the values of a function, and tokens of operands and results.
+//! Names of the values of a printed function, and tokens of operands and results.
 
 use std::ops::Range;
 
@@ -10,20 +10,20 @@ use super::names;
 use crate::program::flow::{Flow, operands};
 use crate::program::{Operand, Operation, Output, Program, Shape};
 
-/// The program of a function with the names of its values.
+/// The program of a printed function with the names of its values.
 #[derive(Clone)]
 pub(super) struct Body<'a> {
     pub(super) context: &'a Context<'a>,
     pub(super) program: &'a Program,
     pub(super) flow: Flow,
-    /// Names of the input arrays.
+    /// Names of the function's input arrays.
     pub(super) arguments: Vec<Ident>,
-    /// Names of the results; empty if results are not written in place.
+    /// Names of the arguments that receive results; empty if the function returns its results.
     pub(super) results: Vec<Ident>,
-    /// Name of each value.
+    /// Name of the variable for each value.
     pub(super) names: Vec<Ident>,
     /// Tokens of an additional index after each entry of an input or result. The index is the column of an
-    /// array, or the lane (state).
+    /// array over joints, or the number of the state.
     pub(super) column: Option<TokenStream>,
     /// Whether each value is an entry of a result that is written in place.
     stored: Vec<bool>,
@@ -60,17 +60,18 @@ impl<'a> Body<'a> {
         body
     }
 
-    /// This body without stores to the results.
+    /// This body, but without the statements that write results.
     pub(super) fn without_stores(&self) -> Self {
         Self { stored: vec![], ..self.clone() }
     }
 
-    /// This body without stores to the results, and with `column` after each entry.
+    /// This body without the statements that write results, and with `column` as additional index after each
+    /// entry.
     pub(super) fn with_column(&self, column: TokenStream) -> Self {
         Self { column: Some(column), ..self.without_stores() }
     }
 
-    /// Name of the value with this index.
+    /// Variable name of the value with this index.
     pub(super) fn name(&self, index: usize) -> &Ident {
         &self.names[self.flow.canonical(index)]
     }
@@ -85,12 +86,12 @@ impl<'a> Body<'a> {
         range.filter(|&index| self.flow.is_read[index]).map(|index| &self.names[index])
     }
 
-    /// All numbers that occur in the text.
+    /// All numbers that occur in the text of the function.
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
         self.numbers_in(0..self.program.instructions.len()).chain(self.program.entries().filter_map(constant))
     }
 
-    /// All numbers that occur in these instructions.
+    /// All numbers that occur in the text of these instructions.
     pub(super) fn numbers_in(&self, range: Range<usize>) -> impl Iterator<Item = f64> {
         self.program.instructions[range]
             .iter()
@@ -135,7 +136,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Stores of all result entries for which `is_wanted` is true.
+    /// Statements that write all result entries for which `is_wanted` is true.
     pub(super) fn stores(&self, is_wanted: impl Fn(Operand) -> bool) -> Vec<TokenStream> {
         let mut stores = Vec::new();
         for (output, name) in self.program.outputs.iter().zip(&self.results) {
@@ -150,7 +151,7 @@ impl<'a> Body<'a> {
         stores
     }
 
-    /// Stores of the value with this index to results that are written in place.
+    /// Statements that write the value with this index to results in place.
     pub(super) fn stores_of(&self, index: usize) -> Vec<TokenStream> {
         match self.stored.get(index) {
             Some(true) => self.stores(|entry| self.made(entry) == Some(index)),
@@ -158,7 +159,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The results as an expression: a value, or a tuple of several values.
+    /// The returned results as an expression: a value, or a tuple of several values.
     pub(super) fn returned(&self) -> TokenStream {
         let outputs = self.program.outputs.iter();
         tuple(outputs.map(|output| self.result(output)))
@@ -204,12 +205,12 @@ pub(super) fn tuple(values: impl ExactSizeIterator<Item = TokenStream>) -> Token
     }
 }
 
-/// Names of arguments for the results of a program.
+/// Names of the arguments that receive a program's results.
 pub(super) fn result_names(program: &Program, taken: &[String]) -> Vec<Ident> {
     names::idents(&names::SPELLING.results(program, taken))
 }
 
-/// Tokens of an entry of a result.
+/// Tokens of an entry of a result, for example `result[i][j]`.
 pub(super) fn place(output: &Output, name: &Ident, index: usize) -> TokenStream {
     let literal = Literal::usize_unsuffixed;
     match output.shape {

@@ -1,4 +1,4 @@
-//! Prints the constants of a module.
+//! Prints the constants of a Rust module.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -12,10 +12,10 @@ use crate::emit::documentation::of_constant;
 use crate::functions::function::{Constant, ConstantValue};
 use crate::layout::{Dimension, Extent};
 
-/// Names of the lengths and of the type of driven coordinates. Other items must not have these names.
+/// Names of the lengths and of the type of prescribed motions. Other items must not have these names.
 pub(super) const RESERVED: [&str; 3] = ["N", "M", "Driven"];
 
-/// The constants for the numbers of coordinates and inputs.
+/// The constants `N` and `M` for the numbers of coordinates and inputs.
 pub(super) fn sizes(context: &Context<'_>) -> [TokenStream; 2] {
     let n = Literal::usize_unsuffixed(context.module.coordinates);
     let m = Literal::usize_unsuffixed(context.module.inputs);
@@ -31,7 +31,7 @@ pub(super) fn sizes(context: &Context<'_>) -> [TokenStream; 2] {
     ]
 }
 
-/// Type of the argument for the driven coordinates; `None` if there are no driven coordinates.
+/// Type of the argument for the motions of driven joints (with prescribed motion); `None` if there are none.
 pub(super) fn driven(context: &Context<'_>) -> Option<TokenStream> {
     let ty = context.ty();
     (context.module.driven > 0).then(|| {
@@ -51,7 +51,7 @@ pub(super) fn item(context: &Context<'_>, constant: &Constant) -> TokenStream {
     quote!(#doc #allowed pub const #name: #ty = #value;)
 }
 
-/// Type and value of a constant.
+/// Type and value in Rust of a constant.
 fn value(context: &Context<'_>, value: &ConstantValue) -> (TokenStream, TokenStream) {
     let (scalar, ty) = (context.options.scalar, context.ty());
     let count = Literal::usize_unsuffixed;

@@ -11,7 +11,7 @@ use super::names;
 use crate::emit::options::EmitOptions;
 use crate::module::Module;
 
-/// A module while it is printed.
+/// A module and the names in it while it is printed as Rust.
 pub(super) struct Context<'a> {
     pub(super) module: &'a Module,
     pub(super) options: &'a EmitOptions,
@@ -23,12 +23,12 @@ pub(super) struct Context<'a> {
     pub(super) calls: Calls,
     /// Whether a function over lanes (eight states at once) was printed.
     pub(super) has_lanes: Cell<bool>,
-    /// Whether a function over lanes stores values between its loops.
+    /// Whether a function for eight states at once stores values between its loops.
     pub(super) has_groups: Cell<bool>,
     /// Names that arguments and values must not have. For example, the name of a constant in a pattern would
     /// match the constant.
     pub(super) reserved: Vec<String>,
-    /// Private functions of array forms, which several functions may call.
+    /// Private functions for loops over joints, which several functions may call.
     pub(super) shared: Shared,
 }
 
@@ -68,12 +68,12 @@ impl<'a> Context<'a> {
         self.has_parameters().then(|| quote!(p: &Parameters))
     }
 
-    /// Type of numbers.
+    /// Number type in Rust: `f64` or `f32`.
     pub(super) fn ty(&self) -> TokenStream {
         self.options.scalar.ty()
     }
 
-    /// Literal of zero.
+    /// Literal of zero in the number type.
     pub(super) fn zero(&self) -> TokenStream {
         self.options.scalar.literal(0.0)
     }

@@ -1,5 +1,5 @@
-//! Prints functions over a sample time. They call `linearize` or `forward_dynamics` of the module, and
-//! functions in fixed texts.
+//! Prints functions over a sample time, such as `step`. They call `linearize` or `forward_dynamics` of the
+//! module, and functions in fixed texts.
 
 use std::collections::BTreeSet;
 
@@ -18,7 +18,7 @@ use crate::module::{ComposedFunction, Module};
 use gelenk_kernels::discrete_time::Text;
 use gelenk_kernels::manifold;
 
-/// Prints one function over a sample time.
+/// Prints one function over a sample time, for example `step`.
 pub(super) fn function(context: &Context<'_>, composed: &ComposedFunction) -> TokenStream {
     let function = composed.composition;
     let ty = context.ty();
@@ -86,7 +86,8 @@ fn documentation(context: &Context<'_>, composed: &ComposedFunction) -> DocComme
     ))
 }
 
-/// Text of a private module with the fixed texts; empty if no function needs them.
+/// Text of a private module with the fixed texts for functions over a sample time; empty if there are no such
+/// functions.
 pub(super) fn text(scalar: Scalar, module: &Module) -> String {
     let compositions = &module.compositions;
     let texts: BTreeSet<Text> =
@@ -106,8 +107,8 @@ pub(super) fn text(scalar: Scalar, module: &Module) -> String {
     loops(scalar, "Functions in discrete time for N coordinates and M inputs.", "discrete_time", &sources)
 }
 
-/// Adds the texts for positions with quaternions, and the imports from the module `manifold` that these texts
-/// need.
+/// Adds the texts for functions over a sample time with quaternions, and the imports from the module
+/// `manifold` that these texts need.
 fn on_manifold(sources: Vec<String>, compositions: &[ComposedFunction]) -> Vec<String> {
     let texts: BTreeSet<manifold::Text> =
         compositions.iter().flat_map(|each| each.composition.manifold_texts()).copied().collect();
@@ -118,6 +119,6 @@ fn on_manifold(sources: Vec<String>, compositions: &[ComposedFunction]) -> Vec<S
     imports.into_iter().chain(sources).chain(added).collect()
 }
 
-/// Items of the module `manifold` that the texts use.
+/// Items of the module `manifold` that the texts for functions over a sample time use.
 const USED: [&str; 8] =
     ["cross", "integrate", "places", "pose_bracket", "pose_tangents", "read", "rotation_tangents", "write"];

@@ -7,21 +7,21 @@ use quote::quote;
 use crate::emit::documentation::Block;
 use crate::emit::text::{visible, wrap};
 
-/// The lines of a documentation comment.
+/// The lines of a Rust documentation comment.
 #[derive(Debug, Default)]
 pub(super) struct DocComment {
     lines: Vec<String>,
 }
 
 impl DocComment {
-    /// Documentation with one paragraph of Markdown.
+    /// A documentation comment with one paragraph of Markdown.
     pub(super) fn new(text: &str) -> Self {
         let mut doc = Self::default();
         doc.paragraph(text);
         doc
     }
 
-    /// Documentation from the blocks that all languages have in common.
+    /// A documentation comment from the blocks that all languages have in common.
     pub(super) fn of(blocks: &[Block]) -> Self {
         let mut doc = Self::default();
         for block in blocks {
@@ -34,7 +34,7 @@ impl DocComment {
         doc
     }
 
-    /// Documentation with one paragraph that is already escaped.
+    /// A documentation comment with one paragraph that is already escaped.
     pub(super) fn escaped(text: &str) -> Self {
         Self { lines: wrap(text, "") }
     }
@@ -66,7 +66,7 @@ impl DocComment {
         }
     }
 
-    /// The documentation as attributes of the item.
+    /// The documentation comment as `#[doc]` attributes of its item.
     pub(super) fn tokens(&self) -> TokenStream {
         let lines =
             self.lines.iter().map(|line| if line.is_empty() { String::new() } else { format!(" {line}") });

@@ -8,7 +8,7 @@ use super::{affine, arrays, lanes, straight};
 use crate::functions::function::Function;
 use crate::program::arrays::ArrayForm;
 
-/// The tokens of a function: public functions, then private functions.
+/// The tokens of a function: its public functions, then the private functions that they call.
 pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) -> Vec<TokenStream> {
     match &function.arrays {
         Some(ArrayForm::Steps(form)) => arrays::items(context, function, form, name),

@@ -1,11 +1,12 @@
-//! Prints the comment at the top of a generated module, and makes the module's documentation from this
+//! Prints the comment at the top of a generated Rust module, and makes the module's documentation from this
 //! comment.
 
 use super::doc_comment::plain;
 use crate::emit::header::{self, ROBOT};
 use crate::module::Module;
 
-/// The comment with `//`. Inner documentation (`//!`) is not possible, because `include!` does not allow it.
+/// The comment at the top of a generated module with `//`. Inner documentation (`//!`) is not possible,
+/// because `include!` does not allow it.
 pub(super) fn comment(module: &Module, command: &str) -> String {
     let lines = header::lines(module, command);
     lines.iter().map(|line| format!("{line}\n")).collect()

@@ -9,7 +9,7 @@ use super::doc_comment::DocComment;
 use crate::emit::arrays::followers;
 
 impl Emission<'_> {
-    /// Statements that sum a row over joints to a row over coordinates.
+    /// Statements that sum a row with an entry per joint to a row with an entry per coordinate.
     fn collected(&self) -> Vec<TokenStream> {
         let joints = followers(self.form).into_iter().enumerate();
         let sum = |(coordinate, joints): (usize, Vec<usize>)| {
@@ -88,8 +88,8 @@ impl Emission<'_> {
         self.gather("gather_last", about, [self.row.len; 2], &sources)
     }
 
-    /// Adds a function that copies entries of rows, and returns its name. Entries without a source, and
-    /// padding, become zero.
+    /// Adds a private function that copies entries of rows, and returns its name. Entries without a source,
+    /// and padding, become zero.
     fn gather(
         &self,
         stem: &str,

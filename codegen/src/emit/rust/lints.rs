@@ -1,4 +1,4 @@
-//! Exceptions from lints, for the items that need them.
+//! Attributes that except printed items from lints.
 
 use proc_macro2::TokenStream;
 use quote::quote;

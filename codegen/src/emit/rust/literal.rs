@@ -1,4 +1,4 @@
-//! Literals of Rust, which have exactly the bits of the numbers.
+//! Prints literals of Rust that have exactly the bits of the numbers.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
@@ -6,7 +6,7 @@ use quote::quote;
 use crate::emit::options::Scalar;
 
 impl Scalar {
-    /// Tokens of the type.
+    /// Tokens of the number type: `f64` or `f32`.
     pub(super) fn ty(self) -> TokenStream {
         match self {
             Self::F64 => quote!(f64),
@@ -14,19 +14,19 @@ impl Scalar {
         }
     }
 
-    /// Literal for an operand of `+ - * /`, an entry or an argument.
+    /// Literal of a number for an operand of `+ - * /`, an array entry or an argument.
     pub(super) fn literal(self, number: f64) -> TokenStream {
         self.signed(number, Suffix::None)
     }
 
-    /// Literal for the receiver of a method. It has its type as suffix, and is in parentheses if it is
-    /// negative.
+    /// Literal of a number on which a method is called. It has its type as suffix, and is in parentheses if
+    /// it is negative.
     pub(super) fn receiver(self, number: f64) -> TokenStream {
         let literal = self.typed(number);
         if number.is_sign_negative() { quote!((#literal)) } else { literal }
     }
 
-    /// Literal with its type as suffix, for places in which the type is not inferred.
+    /// Literal of a number with its type as suffix, for places in which the type is not inferred.
     pub(super) fn typed(self, number: f64) -> TokenStream {
         self.signed(number, Suffix::Type)
     }

@@ -1,4 +1,4 @@
-//! Elementary functions in generated Rust: their calls, and the included texts.
+//! Elementary functions in generated Rust: their calls, and the texts that the module includes.
 
 use std::collections::BTreeSet;
 
@@ -44,7 +44,7 @@ pub(super) fn call(
     }
 }
 
-/// Sine and cosine of one angle.
+/// Call that computes sine and cosine of one angle.
 pub(super) fn sin_cos(context: &Context<'_>, argument: &TokenStream) -> TokenStream {
     own(context, [Kernel::SinCos, Kernel::SinCosF32], argument)
 }
@@ -72,7 +72,8 @@ pub(super) fn need_for_rotations(context: &Context<'_>) {
     context.calls.kernels.borrow_mut().extend(kernels);
 }
 
-/// Call of an included function. `kernels` contains the functions for f64 and for f32.
+/// Call of an elementary function whose text the module includes. `kernels` contains the functions for f64
+/// and for f32.
 fn own(context: &Context<'_>, kernels: [Kernel; 2], arguments: &TokenStream) -> TokenStream {
     let kernel = kernels::of_scalar(kernels, context.options.scalar);
     context.calls.kernels.borrow_mut().insert(kernel);
@@ -80,7 +81,7 @@ fn own(context: &Context<'_>, kernels: [Kernel; 2], arguments: &TokenStream) -> 
     quote!(math::#name(#arguments))
 }
 
-/// The text of `sign` and of the included functions that are called.
+/// The text of `sign` and of the elementary functions that the module calls.
 pub(super) fn text(context: &Context<'_>) -> String {
     let mut text = String::new();
     if context.calls.sign.get() {

@@ -17,7 +17,8 @@ const KEYWORDS: [&str; 53] = [
 pub(super) const SPELLING: Spelling =
     Spelling { keywords: &KEYWORDS, has_free_underscores: true, prefixes: vec![] };
 
-/// Converts `name` to an ASCII identifier. A name that is already an identifier is returned unchanged.
+/// Converts `name` to an ASCII identifier of Rust. A name that is already an identifier is returned
+/// unchanged.
 pub(super) fn identifier(name: &str) -> Ident {
     ident(&SPELLING.identifier(name))
 }

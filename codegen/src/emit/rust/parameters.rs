@@ -9,8 +9,8 @@ use super::lints;
 use crate::emit::documentation::of_parameter;
 use crate::model::Parameter;
 
-/// The struct, the constant with the values of the description, and the implementation of `Default`; empty if
-/// there are no free parameters.
+/// The struct `Parameters`, the constant with the values of the description, and the implementation of
+/// `Default`; empty if there are no free parameters.
 pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
     if !context.has_parameters() {
         return vec![];

@@ -1,4 +1,4 @@
-//! Prints a long function as several private functions (parts), which exchange values.
+//! Prints a long Rust function as several private functions (parts), which exchange values.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -10,9 +10,9 @@ use super::signature::{Signature, item};
 use crate::program::Operand;
 use crate::program::split::{Part, Reads};
 
-/// Arguments of a part, in a call or a signature.
+/// Arguments of one part of a long function, in a call or a signature.
 pub(super) struct Taken {
-    /// Values of earlier parts as one array; `None` if the part takes no values.
+    /// Array with the values of earlier parts that this part reads; `None` if there are none.
     pub(super) values: Option<TokenStream>,
     /// Inputs of the whole function that the part reads.
     pub(super) inputs: Vec<TokenStream>,
@@ -21,7 +21,7 @@ pub(super) struct Taken {
 }
 
 impl Taken {
-    /// Arguments of a part in a call.
+    /// Arguments of one part of a long function, in the part's call.
     pub(super) fn called(body: &Body<'_>, part: &Part) -> Self {
         let inputs = part.inputs.iter().map(|&input| &body.arguments[input]);
         let parameters = body.context.passed_parameters();
@@ -32,7 +32,7 @@ impl Taken {
         }
     }
 
-    /// Arguments of a part in its signature.
+    /// Arguments of one part of a long function, in the part's signature.
     pub(super) fn declared(body: &Body<'_>, part: &Part, signature: &Signature) -> Self {
         let parameters = body.context.declared_parameters();
         let inputs = part.inputs.iter();
@@ -48,13 +48,13 @@ impl Taken {
     }
 }
 
-/// Tokens of an array, or of a pattern, of the names of values.
+/// Tokens of an array expression, or of an array pattern, with the names of these values.
 pub(super) fn values(body: &Body<'_>, values: &[usize]) -> TokenStream {
     let names = values.iter().map(|&value| body.name(value));
     quote!([#(#names),*])
 }
 
-/// Type of an array of these values.
+/// Type of an array that contains these values.
 pub(super) fn array(body: &Body<'_>, values: &[usize]) -> TokenStream {
     let (ty, count) = (body.context.ty(), Literal::usize_unsuffixed(values.len()));
     quote!([#ty; #count])
@@ -78,7 +78,7 @@ pub(super) fn calls(body: &Body<'_>, name: &Ident, parts: &[Part]) -> TokenStrea
     quote!(#(#calls)* #(#stores)*)
 }
 
-/// The private functions of the parts; empty if the function is not split.
+/// The private functions into which a long function is split; empty if the function is not split.
 pub(super) fn items(
     body: &Body<'_>,
     name: &Ident,
@@ -101,7 +101,7 @@ pub(super) fn items(
 /// inlined, because the compile time in LLVM grows faster than the length of a function.
 const MOST_INLINED: usize = 12_000;
 
-/// The private function of a part.
+/// The private function of one part of a long function.
 fn private(body: &Body<'_>, name: &Ident, index: usize, part: &Part, signature: &Signature) -> TokenStream {
     let callee = part_name(name, index);
     let taken = Taken::declared(body, part, signature);

@@ -16,13 +16,13 @@ pub(super) fn loops(scalar: Scalar, documentation: &str, name: &str, texts: &[&s
     loops_with(scalar, documentation, attribute, name, texts)
 }
 
-/// Text of a module of loops like [`loops`], but some of its functions may not be called.
+/// Text of a module of loops like [`loops`], for loops of which the module calls only some.
 pub(super) fn partly_called_loops(scalar: Scalar, documentation: &str, name: &str, texts: &[&str]) -> String {
     let attribute = "#[allow(\n    dead_code,\n    clippy::needless_range_loop,\n    reason = \"only some of it is called, and index notation reads like the formulas\"\n)]";
     loops_with(scalar, documentation, attribute, name, texts)
 }
 
-/// Text of a module of loops with this attribute.
+/// Text of a module of loops that has this attribute.
 fn loops_with(scalar: Scalar, documentation: &str, attribute: &str, name: &str, texts: &[&str]) -> String {
     let module = module(documentation, attribute, name, texts);
     match scalar {

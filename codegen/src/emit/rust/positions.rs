@@ -13,7 +13,8 @@ use crate::emit::options::Scalar;
 use crate::functions::position_functions::{PositionFunction, PositionValue, extents};
 use gelenk_kernels::manifold::Text;
 
-/// The functions; empty for robots without quaternions.
+/// The functions of positions with quaternions, for example `integrate`; empty for robots without
+/// quaternions.
 pub(super) fn items(context: &Context<'_>) -> Vec<TokenStream> {
     if !context.module.has_quaternions() {
         return vec![];
@@ -79,7 +80,8 @@ fn documentation(
     ))
 }
 
-/// Text of a private module with the fixed texts; empty for robots without quaternions.
+/// Text of a private module with the fixed texts for positions with quaternions; empty for robots without
+/// quaternions.
 pub(super) fn text(context: &Context<'_>) -> String {
     if !context.module.has_quaternions() {
         return String::new();

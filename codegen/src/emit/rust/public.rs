@@ -16,8 +16,8 @@ use crate::functions::function::Function;
 /// long as this number of instructions.
 const INLINE_UP_TO: usize = 40;
 
-/// The public functions. `statements` store the results if the body has names for them; otherwise they return
-/// the results.
+/// The public functions of a quantity. `statements` write the results if the body has names for them;
+/// otherwise they return the results.
 pub(super) fn items(
     function: &Function,
     body: &Body<'_>,

@@ -21,7 +21,7 @@ fn tolerance(scalar: Scalar) -> f64 {
     }
 }
 
-/// The module with the tests; `None` if there are no tests.
+/// The module with tests of the functions; `None` if no tests are requested.
 pub(super) fn item(context: &Context<'_>) -> Option<TokenStream> {
     let tests = &context.module.self_tests;
     if tests.is_empty() {
@@ -54,7 +54,7 @@ pub(super) fn item(context: &Context<'_>) -> Option<TokenStream> {
     })
 }
 
-/// The test of one function.
+/// The test of one function: it compares the results of calls with the generator's values.
 fn test(context: &Context<'_>, function: &Function, calls: &[&SelfTest]) -> TokenStream {
     let name = format_ident!("{}", function.name);
     let outputs = function.program.outputs.iter();

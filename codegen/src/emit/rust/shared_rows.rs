@@ -1,30 +1,31 @@
 //! Variables that several arrays use in sequence.
 //!
 //! Each variable is first filled with zeros. With one variable per array, the variables of a quadruped would
-//! take 62 kB instead of 31 kB, which is more than a first-level cache, and the linearization would take 7 %
+//! take 62 kB instead of 31 kB. This is more than a first-level cache, and the linearization would take 7 %
 //! more time.
 
 use crate::emit::arrays::Row;
 use crate::program::arrays::Arrays;
 
-/// Assignment of arrays to variables.
+/// Assignment of arrays over joints to variables that several arrays use one after another.
 pub(super) struct SharedRows {
-    /// Number of rows and length of a row, including padding, of each variable.
+    /// Number of rows of each variable, and length of a row including padding.
     pub(super) sizes: Vec<[usize; 2]>,
     /// For each array, the index of its variable; `None` if the array is not a local variable.
     pub(super) of_arrays: Vec<Option<usize>>,
 }
 
-/// A variable that an array uses.
+/// A variable that stores an array until the last loop that reads the array.
 struct Taken {
     place: usize,
-    /// Index of the last step that reads the array.
+    /// Index of the last loop that reads the array in the variable.
     until: usize,
 }
 
 impl SharedRows {
     /// Assigns variables to the arrays. An array gets a variable whose current array is not read by later
-    /// steps. Each array of the setup gets its own variable, because the setup relies on initial zeros.
+    /// loops. Each array that is computed before the loops gets its own variable, because its code relies on
+    /// initial zeros.
     pub(super) fn new(form: &Arrays, row: Row, is_local: impl Fn(usize) -> bool) -> Self {
         let mut shared = Self { sizes: Vec::new(), of_arrays: vec![None; form.arrays.len()] };
         let mut taken = Vec::new();
@@ -42,7 +43,7 @@ impl SharedRows {
         shared
     }
 
-    /// Index of a variable with this size that is free in a step, or of a new variable.
+    /// Index of a variable with this size that no array occupies during a loop, or of a new variable.
     fn take(&mut self, size: [usize; 2], step: Option<usize>, taken: &mut Vec<Taken>) -> usize {
         let is_free = |taken: &Taken| step.is_some_and(|step| taken.until < step);
         match taken.iter().position(|taken| self.sizes[taken.place] == size && is_free(taken)) {
@@ -55,7 +56,7 @@ impl SharedRows {
     }
 }
 
-/// Index of the last step that reads an array. For a result, it is the number of steps.
+/// Index of the last loop that reads an array. For a result, it is the number of loops.
 fn last_step(form: &Arrays, array: usize) -> usize {
     if form.outputs.iter().any(|output| output.array == array) {
         return form.steps.len();

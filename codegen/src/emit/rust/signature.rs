@@ -10,10 +10,10 @@ use crate::program::{Output, Shape};
 
 /// Arguments and results of a function as tokens.
 pub(super) struct Signature {
-    /// Inputs and free parameters, with types.
+    /// Inputs and free parameters of the function, with their types.
     pub(super) arguments: Vec<TokenStream>,
     pub(super) result: TokenStream,
-    /// Type of each result.
+    /// Rust type of each result.
     pub(super) results: Vec<TokenStream>,
     /// Number of dimensions of each result.
     pub(super) dimensions: Vec<usize>,

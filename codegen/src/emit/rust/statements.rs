@@ -17,7 +17,7 @@ use crate::program::{Operand, Operation};
 const LONGEST_BLOCK: usize = 1000;
 
 impl Body<'_> {
-    /// All statements of the function, with the results as last expression.
+    /// All statements of the function, with the returned results as last expression.
     pub(super) fn returning_statements(&self) -> TokenStream {
         let len = self.program.instructions.len();
         if len > LONGEST_BLOCK {
@@ -47,7 +47,8 @@ impl Body<'_> {
         quote!(#(#constants)* #statements)
     }
 
-    /// All statements. A long function is divided into blocks that return the values that later blocks read.
+    /// All statements of the function. A long function is divided into blocks that return the values that
+    /// later blocks read.
     pub(super) fn blocks(&self) -> TokenStream {
         let parts = split::parts(self.program, &self.flow, LONGEST_BLOCK);
         let blocks = parts.iter().enumerate().map(|(index, part)| {
@@ -70,12 +71,12 @@ impl Body<'_> {
         quote!(#(#blocks)*)
     }
 
-    /// Statements of the instructions in this range.
+    /// Statements for the instructions in this range.
     pub(super) fn statements(&self, range: Range<usize>) -> Vec<TokenStream> {
         self.statements_among(range, |_| true)
     }
 
-    /// Statements of the instructions in this range for which `is_wanted` is true.
+    /// Statements for the instructions in this range for which `is_wanted` is true.
     pub(super) fn statements_among(
         &self,
         range: Range<usize>,
@@ -106,7 +107,7 @@ impl Body<'_> {
         quote!(let (#sines, #cosines) = #call;)
     }
 
-    /// The statement of an instruction; `None` if its value is not read or is computed by another statement.
+    /// The statement for an instruction; `None` if its value is not read or is computed by another statement.
     fn statement(&self, index: usize) -> Option<TokenStream> {
         if !self.flow.is_made(index) {
             return None;
@@ -130,7 +131,7 @@ impl Body<'_> {
         )
     }
 
-    /// The right-hand side of an instruction; `None` for the cosine of a `SinCos`.
+    /// The right-hand side of an instruction's `let`; `None` for the cosine of a `SinCos`.
     fn expression(&self, operation: Operation) -> Option<TokenStream> {
         let binary = |a, operator, b| {
             // Two literals would leave the number type open if a method is called on the value, so one

@@ -1,4 +1,4 @@
-//! Prints functions as straight-line code. Long functions are split.
+//! Prints Rust functions as straight-line code. Long functions are split.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
@@ -10,7 +10,7 @@ use super::{parts, public};
 use crate::functions::function::Function;
 use crate::program::split;
 
-/// The public functions, then the private functions of the parts.
+/// The public functions, then the private functions into which a long function is split.
 pub(super) fn items(context: &Context<'_>, function: &Function, name: &Ident) -> Vec<TokenStream> {
     let body = Body::new(context, &function.program);
     let signature = Signature::new(&body);

@@ -1,4 +1,5 @@
-//! Prints constants for loops over the joints of a tree: relations of joints and of coordinates.
+//! Prints constant tables for loops over the joints of a tree: which joints carry each other, and which
+//! coordinates are coupled.
 
 use proc_macro2::{Ident, Literal};
 use quote::quote;
@@ -9,14 +10,15 @@ use crate::emit::arrays;
 use crate::program::arrays::{Arrays, Relation};
 
 impl Emission<'_> {
-    /// Adds the table of [`arrays::relation`] and returns its name.
+    /// Adds the table of [`arrays::relation`], which says for each pair of joints whether one carries the
+    /// other, and returns its name.
     pub(super) fn add_relations(&self) -> Ident {
         let about = "Relation of joint j to joint i: −1 if j is before i on its path to the base, 1 if j is i or beyond i, otherwise 0.";
         self.add_table("RELATIONS", about, self.form.joints.len(), self.row.len, arrays::relation)
     }
 
-    /// Adds two tables with lists for each joint: the blocks of columns with joints before it, and the blocks
-    /// with joints beyond it. Returns the names of both tables.
+    /// Adds two tables with lists for each joint: the SIMD blocks of columns with joints before it, and the
+    /// blocks with joints beyond it. Returns the names of both tables.
     pub(super) fn add_blocks(&self) -> [Ident; 2] {
         let table = |name: &str, about: &str, is_in: fn(Relation) -> bool| {
             let (joints, block) = (self.form.joints.len(), self.row.block);
@@ -36,8 +38,8 @@ impl Emission<'_> {
         ]
     }
 
-    /// Adds a table with a list for each block of columns of a matrix: the rows that can be non-zero. Returns
-    /// the name of the table.
+    /// Adds a table that lists for each SIMD block of a matrix's columns the rows that can be non-zero.
+    /// Returns the name of the table.
     pub(super) fn add_rows_of_blocks(&self, matrix: usize) -> Ident {
         let (tree, block) = (self.form.coordinates(), self.row.block);
         let is_over_paths = self.form.is_over_paths(matrix);
@@ -66,7 +68,8 @@ impl Emission<'_> {
             .add(name, |name| quote!(#documentation const #name: [&[usize]; #count] = [#(#lists),*];))
     }
 
-    /// Adds the table of [`arrays::meeting`] and returns its name.
+    /// Adds the table of [`arrays::meeting`], the pairs of coordinates with common non-zero entries in the
+    /// inverse mass matrix, and returns its name.
     pub(super) fn add_meetings(&self) -> Ident {
         let about = "Whether the inversion of the mass matrix combines the rows of coordinates i and j: 1 if it does, otherwise 0.";
         let (count, lanes) = (self.form.coordinates().len(), self.row.coordinates);

@@ -1,4 +1,4 @@
-//! Writes the inputs of a model as motors of MJCF, on joints, tendons and sites.
+//! Writes the inputs of a model as MJCF motors on joints, tendons and sites.
 
 use super::joints::SPEED;
 use super::writer::{Tendon, Writer};
@@ -46,7 +46,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Attribute, name and `gear` of the joint, tendon or site on which a motor acts.
+    /// Attribute, name and `gear` of the joint, tendon or site on which a drive's motor acts.
     fn transmission(&mut self, drive: &Drive) -> (&'static str, String, String) {
         let factor = match &drive.input {
             Input::Torque | Input::None => 1.0,
@@ -123,7 +123,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Adds the tendon between two frames and returns its name.
+    /// Adds a tendon to the file whose length is the distance between two frames. Returns its name.
     fn distance(&mut self, name: &str, between: &[Attachment; 2], further: Attributes) -> String {
         let sites = between.each_ref().map(|at| self.site(at));
         let name = self.tendon_name(name);
@@ -137,8 +137,8 @@ impl Writer<'_> {
     }
 }
 
-/// Attributes of a linear force law `k (l − l₀) + c l̇` over the distance l, whose positive force pulls;
-/// `None` for other laws.
+/// Attributes of a linear force law `k (l − l₀) + c l̇` over the distance l with stiffness k, rest length l₀
+/// and damping c. A positive force pulls. `None` for other laws.
 fn spring(values: &Values, law: &gelenk_formula::Formula) -> Option<Attributes> {
     let law = values.affine(law)?;
     let rest = if law.position == 0.0 { 0.0 } else { -law.constant / law.position };

@@ -90,7 +90,7 @@ impl Writer<'_> {
         attributes
     }
 
-    /// Sum of the springs that are linear and pull back.
+    /// Sum of the joint's springs that are linear and pull back.
     fn spring(&mut self, joint: &Joint) -> Affine {
         let mut sum = Affine::default();
         for law in &joint.springs {
@@ -159,14 +159,14 @@ impl Writer<'_> {
         }
     }
 
-    /// Names of the followed joints, with ratios times `factor`.
+    /// Names of the joints whose coordinates are followed, with ratios times `factor`.
     pub(super) fn leaders(&self, follows: &[FollowedCoordinate], factor: f64) -> Vec<(String, f64)> {
         let terms = follows.iter();
         terms.map(|term| (self.joint_name(term), factor * self.values.number(&term.ratio))).collect()
     }
 
-    /// Writes `joint = offset + Σ ratio · leader` as an equality of joints, or as a tendon `joint − Σ ratio ·
-    /// leader` with the length `offset`.
+    /// Writes the equation `joint = offset + Σ ratio · leader` as an equality of joints, or as a tendon
+    /// `joint − Σ ratio · leader` with the length `offset`. Leaders are the followed joints.
     ///
     /// MuJoCo computes the softness of a joint equality without the ratio, and the softness of a tendon
     /// equality with the ratio. With a ratio below 1 the joint equality is softer. For a rack with 0.01

@@ -2,7 +2,7 @@
 //!
 //! Links become bodies, and frames become sites. Joints that follow other joints are separate joints with an
 //! equality constraint, so MuJoCo's mass matrix M_mujoco has rows for all joints. With the ratios G of the
-//! joints to the coordinates, `M = Gᵀ M_mujoco G`.
+//! joints to the coordinates, the mass matrix of the model is `Gᵀ M_mujoco G`.
 
 mod actuators;
 mod joints;
@@ -17,13 +17,13 @@ use super::xml::{Attributes, Xml, numbers};
 use crate::model::{Attachment, Link, Model, QuaternionJoint, principal_axes};
 use writer::{Site, Writer};
 
-/// Smallest mass [kg] and principal moment [kg m²] that are written for a moving body. MuJoCo rejects 1e-15
+/// Smallest mass (kg) and principal moment (kg m²) that are written for a moving body. MuJoCo rejects 1e-15
 /// and less.
 const LEAST: f64 = 2e-15;
 
 const LEAST_INERTIA: &str = "has no moving bodies without mass or inertia; 2e-15 kg or kg m², the least that MuJoCo accepts, is written for";
 
-/// Relative rounding of published moments, which have about six digits.
+/// Relative rounding error of published moments of inertia, which have about six digits.
 const ROUNDED: f64 = 1e-5;
 
 const RAISED: &str =
@@ -129,8 +129,8 @@ impl Writer<'_> {
         }
     }
 
-    /// Opens the body of a link and returns the link. If the link is the first link of a joint with a quaternion,
-    /// this function opens the body of the joint's last link and returns that link.
+    /// Opens the body of a link and returns the link. For the first link of a joint with a quaternion, the
+    /// body of the joint's last link is opened instead, and that link is returned.
     fn body(&mut self, first: usize) -> usize {
         let model = self.model;
         let chain = model.quaternion_joints.iter().find(|joint| model.coordinates[joint.first] == first);
@@ -202,7 +202,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Records the parts of the model that no element of the format represents.
+    /// Records the parts of the model that no element of MJCF represents.
     fn lost(&mut self) {
         for wrench in &self.model.wrenches {
             self.losses.add("has no wrench arguments; use `xfrc_applied` instead of", &wrench.name);
@@ -233,14 +233,15 @@ impl Writer<'_> {
     }
 }
 
-/// Attributes for position and attitude, if they differ from those of the parent.
+/// Attributes for a body's position and attitude, if they differ from those of the parent.
 fn place(placed: &Placed) -> Attributes {
     let position = (placed.origin != [0.0; 3]).then(|| ("pos", numbers(&placed.origin)));
     let attitude = placed.is_turned().then(|| ("quat", numbers(&placed.quaternion())));
     position.into_iter().chain(attitude).collect()
 }
 
-/// Attributes for the inertia with principal moments, because MuJoCo would compute these with fewer digits.
+/// Attributes for a body's inertia with principal moments, because MuJoCo would compute these with fewer
+/// digits.
 fn inertial(lump: &Lump, moments: [f64; 3], axes: &[[f64; 3]; 3]) -> Attributes {
     let mut attributes = vec![("pos", numbers(&lump.center))];
     if *axes != Placed::IDENTITY.rotation {

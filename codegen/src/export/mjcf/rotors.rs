@@ -1,9 +1,9 @@
 //! Writes rotors as armatures, or as separate bodies if an armature would change the robot.
 //!
-//! A rotor with axial inertia J that turns by Ω relative to its carrier has the energy `J/2 (a · ω + Ω)²`,
-//! with the carrier's angular velocity ω and the rotor's axis a. An armature has the energy `J/2 Ω²`, which
-//! is equal if the carrier does not turn. Otherwise the rotor becomes a body on its carrier, with a joint
-//! that follows the joints of its drive. MuJoCo requires inertia across the axis, so the rotor gets such an
+//! A rotor with axial inertia J that turns by Ω relative to its carrier has the energy `J/2 (a · ω + Ω)²`. ω
+//! is the carrier's angular velocity, and a the rotor's axis. An armature has the energy `J/2 Ω²`, which is
+//! equal if the carrier does not turn. Otherwise the rotor becomes a body on its carrier, with a joint that
+//! follows the joints of its drive. MuJoCo requires inertia across the axis, so the rotor gets such an
 //! inertia and its carrier gets less.
 
 use super::writer::{Rotor, Writer};
@@ -16,12 +16,13 @@ use crate::model::{Drive, Model, Motion, RotorCoupling, principal_axes};
 const ROTOR: &str = "supports a rotor only if its carrier has more inertia and the rotor follows no joint \
                      with a quaternion; its effect on a moving carrier is omitted at";
 
-/// Inertia across the axis, divided by the axial inertia. A disc has 0.5, the smallest value of a rigid body.
+/// Inertia of a rotor across its axis, divided by the axial inertia. A disc has 0.5, the smallest value of a
+/// rigid body.
 const ACROSS: f64 = 0.5 + 1e-6;
 
 impl<'m> Writer<'m> {
-    /// Finds the rotors that become bodies. If a link has too little inertia for its rotors, they are placed
-    /// on the base.
+    /// Finds the rotors that become bodies of the file. If a link has too little inertia for its rotors, they
+    /// are placed on the base.
     pub(super) fn find_rotors(&mut self) {
         let model = self.model;
         for drive in model.moving_drives() {
@@ -43,8 +44,8 @@ impl<'m> Writer<'m> {
         }
     }
 
-    /// Returns the body of a rotor on the link `carrier`; `None` if an armature has the same effect or a body is not
-    /// possible.
+    /// Returns a rotor on the link `carrier` that becomes a body of the file; `None` if an armature has the
+    /// same effect or a body is not possible.
     fn rotor(&self, drive: &'m Drive, carrier: usize) -> Option<Rotor<'m>> {
         let inertia = self.values.number(&drive.rotor_inertia);
         let is_armature = carrier == 0 && is_chain(self.model, drive);
@@ -52,7 +53,7 @@ impl<'m> Writer<'m> {
         is_body.then_some(Rotor { drive, inertia, carrier })
     }
 
-    /// The rotor, moved to the base if it is on this link.
+    /// Returns the rotor, moved to the base if it is on the given link.
     fn not_on(&self, link: usize, rotor: Rotor<'m>) -> Option<Rotor<'m>> {
         if rotor.carrier == link { self.rotor(rotor.drive, 0) } else { Some(rotor) }
     }
@@ -77,7 +78,8 @@ impl<'m> Writer<'m> {
         moments.iter().all(|moment| *moment > LEAST) && 2.0 * largest <= moments.iter().sum::<f64>()
     }
 
-    /// Combined bodies of a link, without the inertia of the link's rotors across their axes.
+    /// Mass and inertia of all bodies of a link together, without the inertia of the link's rotors across
+    /// their axes.
     pub(super) fn lump(&self, link: usize) -> Lump {
         let mut lump = self.values.lump(self.model, link);
         for rotor in self.rotors.iter().filter(|rotor| rotor.carrier == link) {
@@ -86,7 +88,8 @@ impl<'m> Writer<'m> {
         lump
     }
 
-    /// Armature `i² J_R` of a drive; 0 if the rotor is a body.
+    /// Armature `i² J_R` of a drive with the gear ratio i and the rotor inertia J_R; 0 if the rotor is a body
+    /// of the file.
     pub(super) fn armature(&self, drive: &Drive) -> f64 {
         if self.rotor_of(drive).is_some() {
             return 0.0;
@@ -95,7 +98,7 @@ impl<'m> Writer<'m> {
         ratio * ratio * self.values.number(&drive.rotor_inertia)
     }
 
-    /// Armature `Σ i² J_R` of the drives on one coordinate.
+    /// Armature `Σ i² J_R` of the drives on one coordinate, with gear ratios i and rotor inertias J_R.
     pub(super) fn joint_armature(&self, coordinate: usize) -> f64 {
         let drives = self.model.drives.iter().filter(|drive| drive.coordinate() == Some(coordinate));
         drives.map(|drive| self.armature(drive)).sum()
@@ -123,8 +126,8 @@ impl<'m> Writer<'m> {
     }
 }
 
-/// Whether all joints of a drive are on one path to the base. MuJoCo's M has no entries for joints of
-/// different branches, so the armature of a tendon would lose them.
+/// Whether all joints of a drive are on one path to the base. MuJoCo's mass matrix has no entries for joints
+/// of different branches, so the armature of a tendon would lose them.
 fn is_chain(model: &Model, drive: &Drive) -> bool {
     let links: Vec<usize> = drive.acts_on.iter().map(|term| model.coordinates[term.coordinate]).collect();
     let carries = |a: usize, b: usize| to_base(model, b).any(|link| link == a);

@@ -5,22 +5,22 @@ use crate::export::numbers::{Placed, Values};
 use crate::export::xml::{Attributes, Xml, numbers};
 use crate::model::{Drive, Model};
 
-/// A site, with the link that carries the site.
+/// A site of an MJCF file, with the link that carries it.
 pub(super) struct Site {
     pub(super) link: usize,
     pub(super) name: String,
     pub(super) placed: Placed,
 }
 
-/// A rotor that becomes a body.
+/// A rotor that becomes a separate body of the MJCF file.
 pub(super) struct Rotor<'m> {
     pub(super) drive: &'m Drive,
     pub(super) inertia: f64,
-    /// Link that carries the rotor.
+    /// Index of the link that carries the rotor.
     pub(super) carrier: usize,
 }
 
-/// A model, and the parts of the file that are finished.
+/// A model, and the parts of its MJCF file that are finished.
 pub(super) struct Writer<'m> {
     pub(super) model: &'m Model,
     pub(super) values: Values,
@@ -33,7 +33,7 @@ pub(super) struct Writer<'m> {
     pub(super) rotors: Vec<Rotor<'m>>,
 }
 
-/// A tendon. Its length is a weighted sum of joint positions, or the distance of two sites.
+/// A tendon of an MJCF file. Its length is a weighted sum of joint positions, or the distance of two sites.
 pub(super) struct Tendon {
     tag: &'static str,
     pub(super) attributes: Attributes,

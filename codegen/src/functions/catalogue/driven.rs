@@ -1,4 +1,5 @@
-//! Functions of robots with driven joints. The driven motion is an argument of these functions.
+//! Functions of robots with driven joints. The prescribed motion of these joints is an argument of the
+//! functions.
 
 use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
 use super::quantity::{Quantity, vector};
@@ -6,7 +7,7 @@ use crate::dynamics::arguments::Arguments;
 use crate::function_names as names;
 use crate::layout::Dimension;
 
-/// Rows of the functions that only robots with driven joints have.
+/// Functions that only robots with driven joints (with prescribed motion) have.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
     name: names::DRIVING_FORCES,
     summary: "Driving forces: forces that produce the prescribed motion of the driven joints.",

@@ -1,4 +1,5 @@
-//! Functions and notes of robots with forces at frames. With inputs at frames, B depends on the coordinates.
+//! Functions and notes of robots with forces at frames. With inputs at frames, the input matrix B depends on
+//! the coordinates.
 
 use super::kind::{Difference, notes};
 use super::quantity::Argument::{Coordinates, Inputs};
@@ -9,7 +10,7 @@ use crate::model::{Model, PointForce};
 use crate::wording;
 use gelenk_formula::Formula;
 
-/// Rows of the functions that only robots with inputs at frames have.
+/// Functions that only robots with inputs at frames have.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
     name: function_names::INPUT_FORCES_DERIVATIVES,
     summary: "Generalized forces of the inputs with their Jacobian.",
@@ -31,7 +32,7 @@ pub(super) const fn beyond() -> Difference {
     ])
 }
 
-/// Adds to the documentation which forces between frames the potential energy includes.
+/// Adds a sentence to the documentation of the potential energy: which forces between frames it includes.
 pub fn describe_energy(model: &Model, function: &mut Function) {
     let forces = |wanted: fn(Option<&Formula>) -> bool| -> Vec<&PointForce> {
         model.point_forces.iter().filter(|force| wanted(force.law.energy().as_ref())).collect()

@@ -1,4 +1,4 @@
-//! Rows of the functions of named frames.
+//! Functions of named frames in the catalogue.
 
 use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{FRAME_JACOBIAN, FrameQuantity, IN_SPACE, ROTATION, matrix, vector};

@@ -1,9 +1,9 @@
-//! Hessian of the inverse dynamics weighted by multipliers. Its blocks belong to the constraint
+//! Hessian of the inverse dynamics weighted by multipliers λ. Its blocks belong to the constraint
 //! `M ÿ + k − q = B u` in sequential quadratic programming with exact Hessians.
 //!
-//! The gradient of `λᵀ (M ÿ + k − q)` is computed either by reverse differentiation of the recursive equations,
-//! or as the product of λ and the analytic Jacobians. Each column of the Hessian is a forward derivative of the
-//! gradient.
+//! The gradient of `λᵀ (M ÿ + k − q)` is computed either by reverse differentiation of the recursive
+//! equations, or as the product of λ and the analytic Jacobians. Each column of the Hessian is a forward
+//! derivative of the gradient.
 
 use super::quantity::Argument::{Accelerations, Coordinates, Multipliers, Velocities};
 use super::quantity::{Quantity, SQUARE, matrix};
@@ -15,7 +15,7 @@ use crate::dynamics::recursion::motion::MotionInput;
 use crate::function_names;
 use crate::graph::{Cost, Edge, Scalar, differentiate};
 
-/// Row of the Hessian in the catalogue.
+/// The function of the Hessian in the catalogue.
 pub const QUANTITY: Quantity = Quantity {
     name: function_names::INVERSE_DYNAMICS_HESSIAN,
     differentiates_friction: true,
@@ -42,16 +42,19 @@ pub const QUANTITY: Quantity = Quantity {
     ..Quantity::PLAIN
 };
 
-/// Blocks of the Hessian of `λᵀ (M ÿ + k − q)`. The blocks ∂²/∂ẏ ∂ÿ and ∂²/∂ÿ² are zero.
+/// Blocks of the Hessian of the inverse dynamics `λᵀ (M ÿ + k − q)` with multipliers λ. The blocks ∂²/∂ẏ ∂ÿ
+/// and ∂²/∂ÿ² are zero.
 #[derive(Debug, Clone)]
 pub struct Hessian<'g> {
-    /// Block ∂²/∂y².
+    /// Block ∂²/∂y² of the Hessian of the inverse dynamics `λᵀ (M ÿ + k − q)` with multipliers λ.
     pub by_coordinates: Matrix<'g>,
-    /// Block ∂²/∂y ∂ẏ. Row i belongs to coordinate i.
+    /// Block ∂²/∂y ∂ẏ of the Hessian of the inverse dynamics `λᵀ (M ÿ + k − q)` with multipliers λ. Row i
+    /// belongs to coordinate i.
     pub mixed: Matrix<'g>,
-    /// Block ∂²/∂ẏ².
+    /// Block ∂²/∂ẏ² of the Hessian of the inverse dynamics `λᵀ (M ÿ + k − q)` with multipliers λ.
     pub by_velocities: Matrix<'g>,
-    /// Block ∂²/∂y ∂ÿ. Row i belongs to coordinate i.
+    /// Block ∂²/∂y ∂ÿ of the Hessian of the inverse dynamics `λᵀ (M ÿ + k − q)` with multipliers λ. Row i
+    /// belongs to coordinate i.
     pub by_accelerations: Matrix<'g>,
 }
 
@@ -64,8 +67,8 @@ impl<'g> Hessian<'g> {
     }
 }
 
-/// Hessian of `λᵀ (M ÿ + k − q)` with λ = `multipliers`. The gradient comes from reverse differentiation or
-/// from the analytic Jacobians, whichever needs fewer operations.
+/// Hessian of the inverse dynamics `λᵀ (M ÿ + k − q)` with λ = `multipliers`. The gradient comes from reverse
+/// differentiation or from the analytic Jacobians, whichever needs fewer operations.
 pub fn inverse_dynamics_hessian<'g>(
     equations: &Equations<'_, 'g>,
     input: MotionInput<'_, 'g>,
@@ -79,7 +82,7 @@ pub fn inverse_dynamics_hessian<'g>(
     }
 }
 
-/// Gradients with respect to y and ẏ.
+/// Gradients of a scalar with respect to y and ẏ.
 type Gradient<'g> = (Vec<Scalar<'g>>, Vec<Scalar<'g>>);
 
 fn reverse_gradient<'g>(

@@ -1,73 +1,76 @@
-//! Kinds of robots whose functions differ from the rows of the catalogue, and products other than functions.
+//! Kinds of robots (for example with prescribed motions of joints) for which functions, exports or other
+//! products differ or are missing.
 
 use super::quantity::Quantity;
 use crate::functions::function::Function;
 use crate::model::Model;
 
-/// A kind of robots: its condition, its additional functions, and its functions and products that differ or
-/// are missing.
+/// A kind of robots, for example those with prescribed motions of joints: its condition, its additional
+/// functions, and the functions and products that differ or are missing.
 pub struct Kind {
     /// Property of these robots in documentation, for example `driven joints` after "robots with".
     pub robots: &'static str,
     /// Code of the errors about missing functions.
     pub code: &'static str,
-    /// Condition in messages. `{}` stands for the part of the model that [`Self::example`] names.
+    /// Condition for this kind of robots in messages. `{}` is replaced by the part of the model that
+    /// [`Self::example`] names.
     pub condition: &'static str,
     /// Names the part of a model that makes the model one of this kind. The name may be empty. `None` if the
     /// model is not of this kind.
     pub example: fn(&Model) -> Option<String>,
-    /// Rows of the catalogue with the functions that only these robots have.
+    /// Functions that only robots of this kind have.
     pub adds: &'static [Quantity],
-    /// Rows that replace the rows of the catalogue with the same names for these robots.
+    /// Functions that replace functions of the same names in the catalogue for robots of this kind.
     pub replaces: &'static [Quantity],
-    /// Differences from the catalogue. Each entry has the names of the functions and products that differ,
+    /// Differences from the catalogue. Each entry has the names of functions and products that differ,
     /// separated by spaces, and their difference.
     pub differences: &'static [(&'static str, Difference)],
 }
 
-/// Difference between a function for a kind of robots and the function's row in the catalogue.
+/// Difference of a function for a kind of robots from the function in the catalogue.
 #[derive(Debug, Clone, Copy)]
 pub enum Difference {
-    /// The documentation differs.
+    /// The documentation of the function differs.
     Documented(Otherwise),
-    /// The function is missing.
+    /// The function or product is missing.
     Missing {
-        /// Reason, which follows the condition in messages and may be empty.
+        /// Reason why the function is missing. It follows the condition in messages and may be empty.
         why: &'static str,
-        /// Help text; empty for a product, because a [`Product`] has its own help text.
+        /// Help text for the missing function; empty for a product, because a [`Product`] has its own help
+        /// text.
         help: &'static str,
     },
 }
 
-/// Changes to the documentation of one row of the catalogue. Where a field is `None`, the text of the row is
+/// Changes to a function's documentation in the catalogue. If a field is `None`, the text of the catalogue is
 /// kept.
 #[derive(Debug, Clone, Copy)]
 pub struct Otherwise {
-    /// Equation that replaces the equation of the row.
+    /// Equation that replaces the function's equation in the catalogue.
     pub equation: Option<&'static str>,
     /// Meaning that replaces the meaning of the function's first result.
     pub first_result: Option<&'static str>,
-    /// Note that replaces all notes of the row.
+    /// Note that replaces all notes of the function in the catalogue.
     pub only_note: Option<&'static str>,
-    /// Additional notes.
+    /// Notes that are added to the function's documentation.
     pub notes: &'static [&'static str],
 }
 
-/// Difference of a missing product.
+/// Difference of a product that robots of a kind lack.
 pub(super) const MISSING: Difference = Difference::Missing { why: "", help: "" };
 
-/// Adds notes after the notes of the row.
+/// Difference that adds notes after the notes of the function in the catalogue.
 pub(super) const fn notes(notes: &'static [&'static str]) -> Difference {
     Difference::Documented(Otherwise { notes, ..Otherwise::ROW })
 }
 
-/// Replaces the equation, and adds notes after the notes of the row.
+/// Difference that replaces the equation, and adds notes after the notes of the function in the catalogue.
 pub(super) const fn equation(equation: &'static str, notes: &'static [&'static str]) -> Difference {
     Difference::Documented(Otherwise { equation: Some(equation), notes, ..Otherwise::ROW })
 }
 
 impl Kind {
-    /// A kind without additional functions and differences.
+    /// A kind of robots without additional functions and differences, as default for fields.
     pub(super) const PLAIN: Self = Self {
         robots: "",
         code: "",
@@ -83,7 +86,7 @@ impl Kind {
         (self.example)(model).is_some()
     }
 
-    /// Difference of a function or product; `None` if it does not differ.
+    /// Difference of a function or product for robots of this kind; `None` if it does not differ.
     pub fn difference(&self, name: &str) -> Option<&'static Difference> {
         let mut all = self.differences.iter();
         let found = all.find(|(names, _)| names.split_whitespace().any(|other| other == name));
@@ -92,7 +95,7 @@ impl Kind {
 }
 
 impl Otherwise {
-    /// No changes of the documentation.
+    /// Keeps the documentation of the function in the catalogue unchanged.
     pub(super) const ROW: Self = Self { equation: None, first_result: None, only_note: None, notes: &[] };
 
     /// Changes the documentation of a function.
@@ -118,11 +121,11 @@ impl Otherwise {
 /// Something that gelenk makes from a robot, other than generated functions.
 #[derive(Debug, Clone, Copy)]
 pub struct Product {
-    /// Name in [`Kind::differences`].
+    /// Name of the product in [`Kind::differences`].
     pub name: &'static str,
     /// Beginning of the message about a robot that lacks the product.
     pub(super) missing: &'static str,
-    /// Help text.
+    /// Help text for users whose robot lacks the product.
     pub(super) help: &'static str,
 }
 
@@ -130,7 +133,7 @@ const fn product(name: &'static str, missing: &'static str, help: &'static str) 
     Product { name, missing, help }
 }
 
-/// The product "loops over joints": functions in array form.
+/// The product "loops over joints": functions as loops instead of straight-line code.
 pub const LOOPS: Product =
     product("loops", "loops over joints are not available", "the functions are straight-line code");
 
@@ -162,7 +165,7 @@ pub const EXPORT: Product = product(
     "URDF and MJCF have no prescribed motions: without `motion` the joint is a coordinate",
 );
 
-/// The product "identification": identification by the library if the motions of driven joints are not
+/// The product "identification": identification by the library if prescribed motions of joints are not
 /// measured.
 pub const IDENTIFICATION: Product = product(
     "identification",
@@ -170,5 +173,5 @@ pub const IDENTIFICATION: Product = product(
     "read the description with `ReadOptions::free_driven`, and name these joints by `RobotChoices::unmeasured`",
 );
 
-/// All products.
+/// All products that gelenk makes in addition to functions.
 pub const PRODUCTS: [Product; 6] = [LOOPS, CLOSED_FORMS, CASADI, ACADOS, EXPORT, IDENTIFICATION];

@@ -1,4 +1,5 @@
-//! The table of kinds of robots, with the functions and products that differ or are missing.
+//! The table of kinds of robots, for example with prescribed motions of joints, and the functions and
+//! products that differ or are missing.
 
 use std::cell::OnceCell;
 
@@ -12,7 +13,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::dynamics::forces;
 use crate::model::{Drive, Joint, JointKind, Model};
 
-/// All kinds. If a robot is of several kinds, the notes of the kinds have this order.
+/// All kinds of robots. If a robot is of several kinds, the notes of the kinds have this order.
 pub static KINDS: [Kind; 11] = [
     Kind {
         robots: "a singular mass matrix",
@@ -337,7 +338,7 @@ impl<'m> Refusals<'m> {
     }
 }
 
-/// Changes of a function's documentation: one for each kind of the model that changes it.
+/// Changes of a function's documentation: one for each kind of robots that includes the model.
 pub(crate) fn otherwise(model: &Model, name: &str) -> impl Iterator<Item = &'static Otherwise> {
     KINDS.iter().filter_map(move |kind| match kind.difference(name)? {
         Difference::Documented(other) => kind.includes(model).then_some(other),

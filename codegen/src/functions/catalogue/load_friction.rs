@@ -1,18 +1,18 @@
 //! Functions of robots with load-dependent friction: an additional function, other equations, and missing
 //! functions.
 //!
-//! For these robots, q includes the friction τ that depends on velocity and position. The equations of motion
+//! The applied forces q include the friction that depends on velocity and position. The equations of motion
 //! have an additional term for the load-dependent friction.
 
 use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{Quantity, VECTOR, vector};
 use crate::function_names as names;
 
-/// Equations of motion with load-dependent friction. τ_l is the load, which [`LOAD`] defines, and s₁ is the
-/// friction per unit of the load.
+/// Equations of motion with load-dependent friction. τ_l is the load (the drive's force without friction),
+/// and s₁ is the friction per unit of the load.
 pub const MOTION: &str = "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u − |τ_l| s₁(y, ẏ)";
 
-/// Row of the function `load_friction`, which only these robots have.
+/// The function `load_friction`, which only robots with load-dependent friction have.
 pub const QUANTITIES: &[Quantity] = &[Quantity {
     name: names::LOAD_FRICTION,
     summary: "Load-dependent friction `s₁(y, ẏ)`: additional friction per unit of load.",
@@ -31,11 +31,11 @@ pub const QUANTITIES: &[Quantity] = &[Quantity {
     ..Quantity::PLAIN
 }];
 
-/// Note that defines the load τ_l.
+/// Documentation note that defines the load τ_l.
 pub const LOAD: &str = "The load `τ_l` is the drive force without friction, `M ÿ + k − gravity_forces − \
         spring_forces`. Friction is `friction_torques + |τ_l| load_friction` (Hamon, Gautier and Garrec 2010).";
 
-/// Note on the derivatives at load 0.
+/// Documentation note on the derivatives at zero load.
 pub const KINK: &str = "The derivatives are discontinuous at a load of 0. There they have the values without \
         `load_friction`, which are between the two one-sided limits.";
 

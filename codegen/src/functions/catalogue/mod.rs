@@ -35,13 +35,13 @@ use crate::functions::function::FrameFunction;
 use crate::model::Model;
 use motion::QUANTITIES;
 
-/// Rows of the functions of robots without special properties, in the order of the generated module.
-/// Functions of named frames and functions that are generated only on request (by name) are not included.
+/// Functions of robots without special properties, in the order of the generated module. Functions of named
+/// frames and functions that are generated only on request (by name) are not included.
 pub fn quantities() -> impl Iterator<Item = &'static Quantity> {
     QUANTITIES.iter().chain(regressors::QUANTITIES)
 }
 
-/// Rows of a model. Rows of functions that are generated only on request are last.
+/// Functions of a model in the catalogue. Functions that are generated only on request are last.
 pub(super) fn all_quantities(model: &Model) -> impl Iterator<Item = &'static Quantity> {
     let of_model = |row: &'static Quantity| {
         let mut others = KINDS.iter().flat_map(|kind| kind.replaces.iter().map(move |row| (kind, row)));
@@ -58,7 +58,7 @@ pub(super) fn is_on_request(name: &str) -> bool {
     ON_REQUEST.iter().chain(driven::QUANTITIES).any(|row| row.name == name)
 }
 
-/// Rows of the functions that are generated only if they are requested by name, because few robots need them.
+/// Functions that are generated only if they are requested by name, because few robots need them.
 const ON_REQUEST: &[Quantity] = {
     let [center, jacobian, matrix, momentum] = momentum::QUANTITIES;
     &[hessian::QUANTITY, reactions::QUANTITY, center, jacobian, matrix, momentum]
@@ -69,12 +69,12 @@ pub(crate) fn may_be_loops(name: &str) -> bool {
     row(name).is_some_and(|quantity| quantity.loops.is_some())
 }
 
-/// Row of a function that some robots may have; `None` if the name is unknown.
+/// The catalogue's row of a function that some robots may have; `None` if the name is unknown.
 pub(super) fn row(name: &str) -> Option<&'static Quantity> {
     all().find(|row| row.name == name)
 }
 
-/// Rows of all functions that robots may have.
+/// The catalogue's rows of all functions that robots may have.
 fn all() -> impl Iterator<Item = &'static Quantity> {
     quantities().chain(ON_REQUEST).chain(KINDS.iter().flat_map(|kind| kind.adds))
 }

@@ -1,4 +1,4 @@
-//! Centre of mass and centroidal momentum.
+//! Functions of the centre of mass and of the momentum about it.
 
 use super::quantity::Argument::{Coordinates, Velocities};
 use super::quantity::{FRAME_JACOBIAN, IN_SPACE, Quantity, matrix, vector};
@@ -10,7 +10,7 @@ const NOTES: &[&str] = &[
      `coupling = \"body\"` spin with their gear ratio.",
 ];
 
-/// Rows of the catalogue for the momentum. These functions are derived only if they are requested by name.
+/// Functions of the centre of mass and momentum. They are derived only if they are requested by name.
 pub const QUANTITIES: [Quantity; 4] = [
     Quantity {
         name: function_names::CENTER_OF_MASS,

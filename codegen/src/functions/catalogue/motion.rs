@@ -1,4 +1,4 @@
-//! Rows of the equations of motion and of functions derived from them.
+//! Functions of the equations of motion, and functions derived from these equations.
 
 use super::frame_inputs;
 use super::quantity::Argument::{Accelerations, Coordinates, Inputs, Velocities};
@@ -12,7 +12,7 @@ use crate::dynamics::recursion::motion::MotionInput;
 use crate::function_names;
 use crate::functions::module_constants;
 
-/// Rows of the equations of motion and of functions derived from them.
+/// Functions of the equations of motion, and functions derived from these equations.
 pub(super) const QUANTITIES: &[Quantity] = &[
     Quantity {
         name: function_names::MASS_MATRIX,
@@ -264,7 +264,7 @@ pub(super) const QUANTITIES: &[Quantity] = &[
     },
 ];
 
-/// Row of friction that depends only on the velocities.
+/// The function of friction torques that depend only on the velocities.
 const FRICTION_TORQUES: Quantity = Quantity {
     name: function_names::FRICTION_TORQUES,
     summary: "Joint friction `τ(ẏ)`.",
@@ -275,7 +275,7 @@ const FRICTION_TORQUES: Quantity = Quantity {
     ..Quantity::PLAIN
 };
 
-/// Row of the linearization for robots without quaternions.
+/// The function `linearize` for robots without quaternions.
 const LINEARIZE: Quantity = Quantity {
     name: function_names::LINEARIZE,
     differentiates_friction: true,
@@ -306,7 +306,8 @@ const LINEARIZE: Quantity = Quantity {
     ..Quantity::PLAIN
 };
 
-/// Row of the linearization for joints with quaternions.
+/// The function `linearize` for robots with quaternions, whose states are deviations from the given
+/// positions.
 pub(super) const LINEARIZE_ON_TANGENT: Quantity = Quantity {
     summary: "Linearization of the accelerations in continuous time, on the tangent.",
     equation: "with δ from y: δ̇ ≈ D δ + v − v̄ and v̇ ≈ A_y δ + A_v v + B_x u + c",
@@ -331,7 +332,7 @@ pub(super) const LINEARIZE_ON_TANGENT: Quantity = Quantity {
     ..LINEARIZE
 };
 
-/// Row of B for inputs at frames.
+/// The function of the input matrix B for inputs at frames, with which B depends on the positions.
 pub(super) const INPUT_MATRIX_BY_POSITION: Quantity = Quantity {
     name: function_names::INPUT_MATRIX,
     summary: "Input matrix `B(y)`.",
@@ -347,7 +348,7 @@ pub(super) const INPUT_MATRIX_BY_POSITION: Quantity = Quantity {
     ..Quantity::PLAIN
 };
 
-/// Row of friction that depends on the position.
+/// The function of friction torques that depend on positions and velocities.
 pub(super) const FRICTION_BY_POSITION: Quantity = Quantity {
     summary: "Joint friction `τ(y, ẏ)`.",
     arguments: &[Coordinates, Velocities],

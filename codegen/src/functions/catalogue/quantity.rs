@@ -1,4 +1,4 @@
-//! Row type of the catalogue: arguments, results with dimensions, and derivation.
+//! Row type of the catalogue of functions: arguments, results with dimensions, and derivation.
 
 use crate::dynamics::arguments::Arguments;
 use crate::dynamics::equations::Equations;
@@ -16,19 +16,20 @@ use crate::spatial::Pose;
 /// An argument of a generated function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Argument {
-    /// Positions y.
+    /// Positions y of the coordinates.
     Coordinates,
-    /// Velocities ẏ.
+    /// Velocities ẏ of the coordinates.
     Velocities,
-    /// Accelerations ÿ.
+    /// Accelerations ÿ of the coordinates.
     Accelerations,
-    /// Inputs u.
+    /// Inputs u: motor torques, motor currents, or forces at frames.
     Inputs,
-    /// Multipliers λ of the Hessian of `λᵀ (M ÿ + k − q)`, one for each generalized force.
+    /// Multipliers λ, one for each generalized force, in the Hessian of the inverse dynamics
+    /// `λᵀ (M ÿ + k − q)`.
     Multipliers,
-    /// Wrenches w.
+    /// Wrenches w that act at frames.
     Wrenches,
-    /// Driven motion d: position, velocity and acceleration of each driven joint.
+    /// Prescribed motion of the driven joints: position, velocity and acceleration of each.
     Driven,
 }
 
@@ -59,7 +60,7 @@ impl Argument {
         }
     }
 
-    /// Documentation of the argument.
+    /// Documentation of the argument for a model.
     pub(in crate::functions) fn text(self, model: &Model) -> ArgumentText {
         let by_joint = |units: [&'static str; 2]| {
             let entry = |joint: &Joint| {
@@ -130,7 +131,7 @@ fn position_entries(model: &Model) -> Vec<(String, &'static str)> {
     entries.collect()
 }
 
-/// A result of a function: nodes of the expression graph.
+/// A result of a function as nodes of the expression graph.
 pub struct Value<'g> {
     /// Lengths of the dimensions, rows first; empty for a scalar.
     pub(in crate::functions) lengths: Vec<usize>,
@@ -149,7 +150,7 @@ pub(in crate::functions) fn matrix(rows: Matrix<'_>) -> Value<'_> {
     Value { lengths: vec![rows.len(), rows.first().map_or(0, Vec::len)], entries: rows.concat() }
 }
 
-/// A result of a quantity: symbol, dimensions (rows first) and meaning.
+/// A result of a function: symbol, dimensions (rows first) and meaning.
 pub(in crate::functions) type QuantityResult = (&'static str, &'static [Dimension], &'static str);
 
 pub(in crate::functions) const SCALAR: &[Dimension] = &[];
@@ -162,16 +163,17 @@ pub(in crate::functions) const IN_SPACE: &[Dimension] = &[Dimension::Fixed];
 pub(in crate::functions) const ROTATION: &[Dimension] = &[Dimension::Fixed, Dimension::Fixed];
 pub(in crate::functions) const FRAME_JACOBIAN: &[Dimension] = &[Dimension::Fixed, Dimension::Velocities];
 
-/// Function that derives a quantity from the equations of motion.
+/// Function that derives the results of a catalogue row from the equations of motion.
 pub(in crate::functions) type Build = for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>) -> Vec<Value<'g>>;
 
-/// Method to estimate the least number of operations before the derivation.
+/// Method to estimate the least number of operations of a function before its derivation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Estimate {
     /// Number of operations of the mass matrix, which grows with the square of the number of joints.
     MassMatrix,
-    /// Ten columns for each pair of a joint and a link that the joint moves. These ten columns have 39
-    /// operations for the UR5, and 75 for a chain of 30 joints with right angles between their axes.
+    /// Ten columns of the regressor for each pair of a joint and a link that the joint moves. These ten
+    /// columns have 39 operations for the UR5, and 75 for a chain of 30 joints with right angles between
+    /// their axes.
     Regressor,
     /// Products and inverses of matrices. For n joints, they have 5.2 n³ operations for Talos, and 6.9 n³ for a
     /// chain of 60 joints with right angles between their axes.
@@ -188,17 +190,18 @@ impl Estimate {
 
 /// A row of the catalogue: a generated function, with documentation and derivation.
 pub struct Quantity {
-    /// Name of the generated function.
+    /// Name of the function in generated modules.
     pub name: &'static str,
     pub(in crate::functions) summary: &'static str,
     pub(in crate::functions) equation: &'static str,
     pub(in crate::functions) arguments: &'static [Argument],
     pub(in crate::functions) results: &'static [QuantityResult],
     pub(in crate::functions) notes: &'static [&'static str],
-    /// Adds documentation that depends on the model.
+    /// Function that adds sentences to the documentation if they depend on the model.
     pub(in crate::functions) describe: fn(&Model, &mut Function),
     pub(in crate::functions) build: Build,
-    /// Note on the derivation that was chosen because it needs the fewest operations; `None` without a note.
+    /// Note on the derivation that needs the fewest operations and was chosen for this reason; `None` without
+    /// a note.
     pub(in crate::functions) route: fn(&Formulations<'_>) -> Option<&'static str>,
     /// Constants that are printed before the function.
     pub(in crate::functions) constants: fn(&Model, &Formulations<'_>, &Program) -> Vec<Constant>,
@@ -208,8 +211,7 @@ pub struct Quantity {
     /// Method to estimate the operations of straight-line code. `None` for functions that never have very many
     /// operations.
     pub(in crate::functions) straight_size: Option<Estimate>,
-    /// Derivation as loops over joints, the other form of the function; `None` if the function is always
-    /// straight-line code.
+    /// Derivation of the function as loops over joints; `None` if the function is always straight-line code.
     pub(in crate::functions) loops: Option<Loops>,
 }
 
@@ -223,12 +225,13 @@ pub(in crate::functions) enum Loops {
     Affine { called: &'static str },
 }
 
-/// Derivation with loops only for products with M⁻¹. All other code is straight-line code.
+/// Derivation with loops only for products with the inverse mass matrix. All other code is straight-line
+/// code.
 #[derive(Clone, Copy)]
 pub(in crate::functions) struct Products {
     pub build: BuildLoops,
-    /// Name of the function that computes the other factors of the products. The loops are faster if the
-    /// straight-line code of these factors is long.
+    /// Name of the function that computes the matrices to be multiplied by the inverse mass matrix. The loops
+    /// are faster if the straight-line code of these matrices is long.
     pub beside: &'static str,
 }
 
@@ -237,7 +240,7 @@ pub(in crate::functions) type BuildLoops =
     for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>, Vec<InputArray>) -> Arrays;
 
 impl Quantity {
-    /// Default values of a row: a small function without constants.
+    /// Default values of a row in the catalogue: a small function without constants.
     pub(in crate::functions) const PLAIN: Self = Self {
         name: "",
         summary: "",
@@ -255,11 +258,11 @@ impl Quantity {
     };
 }
 
-/// Function that derives a quantity of a named frame.
+/// Function that derives the results for a quantity of a named frame.
 pub(in crate::functions) type FrameBuild =
     for<'g> fn(&Equations<'_, 'g>, &Arguments<'g>, usize, &Pose<Scalar<'g>>) -> Vec<Value<'g>>;
 
-/// A row of the catalogue for a function of each named frame.
+/// A row of the catalogue for one function of each named frame.
 pub(in crate::functions) struct FrameQuantity {
     pub(in crate::functions) kind: FrameKind,
     pub(in crate::functions) summary: &'static str,

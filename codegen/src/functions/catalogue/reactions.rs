@@ -1,4 +1,4 @@
-//! Joint reactions: the wrench transmitted by each joint.
+//! Joint reactions: the wrench that each joint transmits.
 
 use super::quantity::Argument::{Accelerations, Coordinates, Velocities};
 use super::quantity::{Quantity, matrix};
@@ -7,7 +7,7 @@ use crate::dynamics::recursion::motion::MotionInput;
 use crate::function_names;
 use crate::layout::Dimension;
 
-/// Row of the joint wrenches in the catalogue.
+/// The function `joint_wrenches` in the catalogue.
 pub const QUANTITY: Quantity = Quantity {
     name: function_names::JOINT_WRENCHES,
     summary: "Joint wrenches: the wrench that each joint transmits from its parent side to its child side.",

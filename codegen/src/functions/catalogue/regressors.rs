@@ -10,7 +10,7 @@ use crate::dynamics::recursion::motion::MotionInput;
 use crate::function_names;
 use crate::functions::module_constants;
 
-/// Rows of the regressors and their parameters in the catalogue.
+/// Functions of the regressors, and of the parameters with which they are multiplied.
 pub const QUANTITIES: &[Quantity] = &[
     Quantity {
         name: function_names::INERTIAL_PARAMETERS,
@@ -94,10 +94,10 @@ const FRICTION_REGRESSOR: Quantity = Quantity {
 
 const BY_POSITION: &str = "τ(y, ẏ) = friction_regressor(y, ẏ) · friction_parameters";
 
-/// Row of the friction parameters if friction depends on the position.
+/// The function of friction parameters if friction depends on the position.
 pub const PARAMETERS_BY_POSITION: Quantity = Quantity { equation: BY_POSITION, ..FRICTION_PARAMETERS };
 
-/// Row of the friction regressor if friction depends on the position.
+/// The function of the friction regressor if friction depends on the position.
 pub const REGRESSOR_BY_POSITION: Quantity =
     Quantity { equation: BY_POSITION, arguments: &[Coordinates, Velocities], ..FRICTION_REGRESSOR };
 

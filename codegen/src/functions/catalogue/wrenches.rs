@@ -8,7 +8,7 @@ use crate::function_names;
 
 const MOTION: &str = "M(y) ÿ + k(y, ẏ) = q(y, ẏ) + B u + wrench_forces(y, w)";
 
-/// Rows of the functions that only robots with wrenches have.
+/// Functions that only robots with wrenches as arguments have.
 pub const QUANTITIES: &[Quantity] = &[
     Quantity {
         name: function_names::WRENCH_FORCES,

@@ -17,14 +17,15 @@ const WINDOWS: [f64; 9] = [2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, f64:
 /// of terms and its interval are chosen afterwards, from the errors in the complete log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BatchLaw {
-    /// Number of terms. They are the first entries of [`TERM_NAMES`](gelenk_adaptation::TERM_NAMES).
+    /// Number of friction terms of the law. They are the first entries of
+    /// [`TERM_NAMES`](gelenk_adaptation::TERM_NAMES).
     pub terms: usize,
     /// Duration in s of the interval before each sample to which the law was fitted; infinite if there is
     /// no limit.
     pub window: f64,
-    /// Error of the prediction of each sample, in N·m or N.
+    /// Error of the law's prediction of each sample, in N·m or N.
     pub errors: Vec<f64>,
-    /// Root mean square of the errors, in N·m or N.
+    /// Root mean square of the prediction errors, in N·m or N.
     pub error: f64,
 }
 
@@ -71,7 +72,8 @@ fn error(law: &[f64; TERMS], sample: &OnlineSample) -> f64 {
     sample.prediction.torque - law.iter().zip(&sample.prediction.terms).map(|(d, p)| d * p).sum::<f64>()
 }
 
-/// Sums of φ φᵀ and φ r over the first samples, one entry for each number of samples.
+/// Sums of φ φᵀ and φ r over the first samples, one entry for each number of samples. φ is the vector of the
+/// terms' values, r the error of the described friction.
 struct Sums(Vec<[[f64; TERMS + 1]; TERMS]>);
 
 impl Sums {
@@ -93,7 +95,8 @@ impl Sums {
         Self(all)
     }
 
-    /// Returns δ of the law with the first terms, fitted to a range of samples; zero if there are no terms.
+    /// Returns the mean change δ of the described coefficients for a law with the first `terms` terms, fitted
+    /// to a range of samples; zero if there are no terms.
     fn law(&self, joint: &JointReplay, [from, to]: [usize; 2], terms: usize) -> [f64; TERMS] {
         let noise = joint.state.noise * joint.state.noise;
         let sum = |i: usize, j: usize| self.0[to][i][j] - self.0[from][i][j];

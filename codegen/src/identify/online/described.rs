@@ -1,4 +1,4 @@
-//! Inverse dynamics and friction of the described robot.
+//! Inverse dynamics and friction of the described robot, for the comparison with measured efforts.
 
 use super::super::parameters::result;
 use crate::diagnostic::Diagnostics;
@@ -10,12 +10,12 @@ use crate::functions::size::MOST_OPERATIONS;
 use crate::model::Model;
 use gelenk_formula::Formula;
 
-/// Inverse dynamics and friction torques of a described robot, which an interpreter evaluates. The results
-/// have the same bits as those of the generated module.
+/// Inverse dynamics and friction torques of a described robot, evaluated by an interpreter. The results have
+/// the same bits as those of the generated module.
 #[derive(Debug)]
 pub struct DescribedForces {
     functions: [Function; 2],
-    /// Load-dependent friction per unit of load; `None` if the robot has no load-dependent friction.
+    /// Function for the load-dependent friction per unit of load; `None` if the robot has no such friction.
     shares: Option<Function>,
     free: Vec<f64>,
 }

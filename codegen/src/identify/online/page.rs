@@ -7,13 +7,13 @@ use super::super::page::thinned;
 use super::batch::{BatchLaw, best_causal, best_in_hindsight};
 use super::replay::{JointReplay, OnlineSample};
 
-/// Duration in s over which errors are averaged in the figure.
+/// Duration in s over which errors are averaged in the figure of the report page.
 const SMOOTHING: f64 = 5.0;
 
 /// Results of a replay for one joint, with batch laws (fitted to whole intervals of the log) for comparison.
 #[derive(Debug, Clone)]
 pub struct OnlineJoint {
-    /// Name of the joint.
+    /// Name of the joint in the description.
     pub name: String,
     /// Unit of the joint's position, `rad` or `m`.
     pub unit: &'static str,
@@ -30,7 +30,7 @@ pub struct OnlineJoint {
 }
 
 impl OnlineJoint {
-    /// Fits the batch laws to the samples of the replay.
+    /// Fits batch laws (to whole intervals of the log) to the samples of the replay.
     #[must_use]
     pub fn new(name: String, unit: &'static str, replay: JointReplay) -> Self {
         let by_run = best_causal(&replay, |sample| sample.begin);
@@ -123,7 +123,8 @@ fn figure(index: usize, joint: &OnlineJoint) -> Figure {
     Figure::new(format!("online_{}", index + 1), "").plot(law).plot(errors)
 }
 
-/// Returns root mean squares over the samples of the last [`SMOOTHING`] seconds.
+/// Returns for each sample the root mean square of the values over the last [`SMOOTHING`] seconds, with the
+/// sample's time.
 fn smoothed(samples: &[OnlineSample], of: &dyn Fn(usize) -> f64) -> Vec<[f64; 2]> {
     let mut sums = vec![0.0];
     for i in 0..samples.len() {

@@ -17,8 +17,8 @@ const MOST: usize = 32;
 const RATE_DIGITS: usize = 6;
 /// Smallest relative difference of the rates of two runs that is too large for two clocks of the same rate.
 const OTHER_RATE: f64 = 0.01;
-/// Largest deviation of a time step from whole periods for which velocities are accurate enough, in
-/// periods.
+/// Largest deviation of a time step from a whole number of periods, in periods, for which velocities are
+/// accurate enough.
 const LARGEST_JITTER: f64 = 0.1;
 
 /// Function that returns the described forces at positions y (rad or m), velocities ẏ (per s) and
@@ -33,17 +33,17 @@ pub type Forces<'a> = dyn Fn(&[f64], &[f64], &[f64]) -> [Vec<f64>; 3] + 'a;
 /// Result of a replay: the learned friction of each joint.
 #[derive(Debug, Clone)]
 pub struct Replay {
-    /// Settings of the estimator.
+    /// Settings of the friction estimator.
     pub settings: AdaptationSettings,
-    /// Result for each joint, in the order of the robot. It is `None` for a joint without an input or
-    /// without a measured effort, because the friction of such a joint is not learned.
+    /// Replay of each joint, in the order of the robot. It is `None` for a joint without an input or without
+    /// a measured effort, because the friction of such a joint is not learned.
     pub joints: Vec<Option<JointReplay>>,
 }
 
 /// Learned friction of a joint in the course of the log.
 #[derive(Debug, Clone)]
 pub struct JointReplay {
-    /// State of the estimator after the last row.
+    /// State of the joint's estimator after the last row of the log.
     pub state: JointState,
     /// Standard deviations of the learned coefficients before the first sample, one for each of the
     /// [terms](gelenk_adaptation::terms).
@@ -63,27 +63,28 @@ pub struct OnlineSample {
     pub time: f64,
     /// Time in s at which the run of this sample begins.
     pub begin: f64,
-    /// Prediction of this sample by the law that was learned from earlier samples.
+    /// Prediction of this sample's friction by the law that was learned from earlier samples.
     pub prediction: Prediction,
     /// Prediction error in N·m or N of the acting law, which a controller would have used.
     pub acting: f64,
-    /// Learned friction at [`JointReplay::speed`] after this sample, and the half width of its 90 %
+    /// Learned friction at the speed [`JointReplay::speed`] after this sample, and the half width of its 90 %
     /// interval, both in N·m or N.
     pub friction: [f64; 2],
-    /// Friction of the acting law at [`JointReplay::speed`] after this sample, in N·m or N.
+    /// Friction of the acting law (which a controller would use) at the speed [`JointReplay::speed`] after
+    /// this sample, in N·m or N.
     pub acting_friction: f64,
-    /// State that determines which law acts after this sample.
+    /// State that determines which law a controller would use after this sample.
     pub trust: Trust,
 }
 
 impl JointReplay {
-    /// Returns the root mean square of the error that `of` returns for each sample, in N·m or N; NaN if
+    /// Returns the root mean square over all samples of the error that `of` returns, in N·m or N; NaN if
     /// there are no samples.
     pub fn error(&self, of: impl Fn(&OnlineSample) -> f64) -> f64 {
         rms(self.samples.iter().map(of))
     }
 
-    /// Returns the time in s of the last change of the acting law.
+    /// Returns the time in s of the last change of the acting law, which a controller would use.
     #[must_use]
     pub fn since(&self) -> f64 {
         let changed = self.samples.iter().rposition(|sample| sample.trust != self.state.trust);
@@ -227,22 +228,22 @@ fn speed(runs: &[Run], joint: usize, rate: f64) -> f64 {
     if moving.is_finite() { moving } else { 0.0 }
 }
 
-/// Returns the root mean square; NaN if there are no values.
+/// Returns the root mean square of the values; NaN if there are none.
 pub(super) fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (squares, count) = values.fold((0.0, 0.0), |(squares, count), x| (squares + x * x, count + 1.0));
     f64::sqrt(squares / count)
 }
 
-/// A robot, with arrays of the estimator's size.
+/// A described robot, with its data in arrays of the estimator's size.
 struct Described<'a> {
     robot: &'a dyn Robot,
     forces: &'a Forces<'a>,
     joints: usize,
     effort: Effort,
-    /// Input matrix B.
+    /// Input matrix of the robot, padded with zeros.
     matrix: [[f64; MOST]; MOST],
     limits: Vec<JointLimits>,
-    /// Lowest and highest value of each input. At these values the drive is at its limit.
+    /// Lowest and highest value of each input at which the drive reaches its limit.
     ends: [[f64; 2]; MOST],
     /// Whether the effort of each joint was measured.
     is_measured: Vec<bool>,
@@ -359,8 +360,8 @@ impl<'a> Described<'a> {
         (torques, saturated)
     }
 
-    /// Returns the joint forces B u for the inputs u of a row, and whether the drive of each joint is at
-    /// its limit. Inputs before the run are unknown.
+    /// Returns the joint forces B u of the inputs u of a row, and whether the drive of each joint is at its
+    /// limit. Inputs before the run are unknown.
     fn by_inputs(&self, run: &Run, row: Option<usize>) -> ([f64; MOST], [bool; MOST]) {
         let Some(row) = row else { return ([f64::NAN; MOST], [false; MOST]) };
         let inputs = padded_row(&run.efforts, row);
@@ -374,7 +375,7 @@ impl<'a> Described<'a> {
     }
 }
 
-/// Returns the lowest and the highest inputs that motors and joints tolerate for a short time.
+/// Returns the lowest and the highest value of each input that motors and joints tolerate for a short time.
 fn ends(robot: &dyn Robot, limits: &[JointLimits], matrix: &[[f64; MOST]; MOST]) -> [[f64; 2]; MOST] {
     const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
     let mut inputs = [ANY; MOST];
@@ -398,7 +399,7 @@ fn padded(values: &[f64]) -> [f64; MOST] {
     std::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0))
 }
 
-/// Returns a row of columns, padded with zeros.
+/// Returns a row of values from several columns, padded with zeros.
 fn padded_row(columns: &[Vec<f64>], row: usize) -> [f64; MOST] {
     std::array::from_fn(|i| columns.get(i).map_or(0.0, |column| column[row]))
 }

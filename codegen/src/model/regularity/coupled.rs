@@ -1,14 +1,14 @@
-//! Pivots of M for robots with followers. M is `Gᵀ M_joints G` with the ratios G of joints to coordinates.
-//! M_joints is computed by composite bodies (Walker and Orin 1982; Featherstone 2008, ch. 6). M is factorized
-//! from the last coordinate to the first.
+//! Pivots of the mass matrix for robots whose joints follow coordinates. The matrix is `Gᵀ M_joints G` with
+//! the ratios G of joints to coordinates. M_joints is computed by composite bodies (Walker and Orin 1982;
+//! Featherstone 2008, ch. 6). The factorization goes from the last coordinate to the first.
 
 use super::{
     Matrix, Model, Motion, Pivot, ROUNDING, add, child_from_parent, congruent, link_inertia, magnitude,
     motion_axis,
 };
 
-/// M, and for each coordinate the sum of the magnitudes of all terms in its diagonal entry. This sum is a bound
-/// for the rounding error.
+/// The mass matrix, and for each coordinate the sum of the magnitudes of all terms in its diagonal entry.
+/// This sum is a bound for the rounding error.
 pub(super) fn mass_matrix(model: &Model, described: &[f64], positions: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
     let all = model.motion_count();
     let (mut mass, mut sizes) = (vec![vec![0.0; all]; all], vec![0.0; all]);
@@ -17,7 +17,7 @@ pub(super) fn mass_matrix(model: &Model, described: &[f64], positions: &[f64]) -
     (mass, sizes)
 }
 
-/// Signs of the pivots by link; `None` for links without an independent joint.
+/// Signs of the mass matrix's pivots by link; `None` for links without an independent joint.
 pub(super) fn pivots(model: &Model, described: &[f64], positions: &[f64]) -> Vec<Option<Pivot>> {
     let n = model.coordinates.len();
     let (mut mass, sizes) = mass_matrix(model, described, positions);
@@ -46,8 +46,8 @@ fn eliminate(mass: &mut [Vec<f64>], k: usize) {
     }
 }
 
-/// Ratios of each link's joint to the coordinates: the non-zero entries of its row of G. The row is empty if
-/// the joint does not move.
+/// Ratios of each link's joint to the coordinates, each with the index of the coordinate. Empty if the joint
+/// does not move.
 fn rows(model: &Model, described: &[f64]) -> Vec<Vec<(usize, f64)>> {
     let mut rows = vec![Vec::new(); model.links.len()];
     for moving in model.moving_joints() {
@@ -77,8 +77,8 @@ fn add_bodies(model: &Model, described: &[f64], positions: &[f64], mass: &mut [V
     }
 }
 
-/// Adds the forces for a unit acceleration of one joint to M, at the joint itself and at all joints between it
-/// and the base.
+/// Adds one column to the mass matrix: the forces for a unit acceleration of one joint, at the joint itself
+/// and at all joints between it and the base.
 fn add_column(
     model: &Model,
     described: &[f64],
@@ -109,7 +109,8 @@ fn add_column(
     }
 }
 
-/// Adds `i² J_R` of each drive to the entries of all coordinates that the drive acts on.
+/// Adds the inertia `i² J_R` of each drive to the entries of the mass matrix for all coordinates that the
+/// drive acts on. i is the gear ratio, J_R the rotor inertia.
 fn add_rotors(model: &Model, described: &[f64], mass: &mut [Vec<f64>], sizes: &mut [f64]) {
     let value = |formula: &gelenk_formula::Formula| formula.evaluate(described, 0.0, 0.0);
     for drive in &model.drives {

@@ -6,7 +6,7 @@ use crate::functions::positions;
 use crate::layout::Dimension::{Coordinates, Joints, Positions};
 use crate::model::{Joint, JointPosition, Model};
 
-/// Lengths that only robots with quaternions have.
+/// Constants with lengths that only robots with quaternions have.
 pub(super) fn sizes(model: &Model) -> Vec<Constant> {
     if model.quaternion_joints.is_empty() {
         return vec![];
@@ -18,7 +18,7 @@ pub(super) fn sizes(model: &Model) -> Vec<Constant> {
     ]
 }
 
-/// Names, types, indices and units of joints, positions and velocities.
+/// Constants with names, types, indices and units of joints, positions and velocities.
 pub(super) fn names(model: &Model) -> Vec<Constant> {
     let velocities: Vec<&Joint> = model.joints().collect();
     let joints: Vec<JointPosition<'_>> = model.joint_positions().collect();
@@ -92,7 +92,7 @@ fn first_velocity(joint: &JointPosition<'_>) -> usize {
     }
 }
 
-/// The positions at which no joint is rotated or displaced.
+/// Constant with the positions at which no joint is rotated or displaced.
 fn neutral(model: &Model) -> Constant {
     let positions = model.positions_by(&vec![0.0; model.coordinates.len()]);
     let summary = "Positions at which no joint is turned or displaced: 0, and the quaternion 0 0 0 1.";

@@ -1,5 +1,5 @@
-//! The linearization in array form: a call of `forward_dynamics_derivatives`, then the computation of the
-//! affine remainder.
+//! The linearization as loops over joints: a call of `forward_dynamics_derivatives`, then the computation of
+//! the affine remainder.
 
 use super::Arrays;
 use super::unroll::numbered;
@@ -7,41 +7,44 @@ use super::writer::Writer;
 use crate::layout::{Dimension, Extent};
 use crate::program::{Operand, Operation, Output, Program, Shape};
 
-/// The linearization: `A_y`, `A_v`, `B_x` and `c` are computed from the results of
+/// The linearization `ÿ = A_y y + A_v ẏ + B_x u + c`: all matrices and c are computed from the results of
 /// `forward_dynamics_derivatives`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Affine {
-    /// Name of the called function.
+    /// Name of the function whose results the linearization uses.
     pub name: &'static str,
-    /// Called function in array form. Its results are ÿ, ∂ÿ/∂y, ∂ÿ/∂ẏ and M⁻¹.
+    /// The function whose results the linearization uses, as loops over joints. Its results are the
+    /// accelerations ÿ, ∂ÿ/∂y, ∂ÿ/∂ẏ and the inverse mass matrix.
     pub called: Arrays,
     /// For each input, the coordinates on which the input acts, each with its gain. A gain is a constant or a
     /// parameter.
     pub inputs: Vec<Vec<(usize, Operand)>>,
     /// Entries of the matrix D in `δ̇ = D δ + v − v̄` for positions with quaternions; otherwise `None`. δ is
-    /// the deviation from a motion with the velocities v̄. If D exists, `c` has no term of y.
+    /// the deviation from a motion with the velocities v̄. With this matrix, the affine remainder `c` of the
+    /// linearization has no term of y.
     pub drift: Option<Vec<Drift>>,
 }
 
-/// An entry of the matrix D in `δ̇ = D δ + v − v̄` (see [`Affine::drift`]). Its value is a velocity or the
-/// negative of a velocity.
+/// An entry of the matrix D in `δ̇ = D δ + v − v̄`. δ is the deviation from a motion with the velocities v̄.
+/// The entry is a velocity or the negative of a velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Drift {
-    /// Row of the entry.
+    /// Row of the entry in the matrix.
     pub row: usize,
-    /// Column of the entry.
+    /// Column of the entry in the matrix.
     pub column: usize,
-    /// Index of the velocity.
+    /// Index of the velocity that is the entry, up to its sign.
     pub velocity: usize,
     /// Whether the entry is the negative of the velocity.
     pub is_negative: bool,
 }
 
 impl Affine {
-    /// Converts to the equivalent straight-line program. Column j of `B_x` is the sum of the columns of M⁻¹
-    /// for the coordinates on which input j acts, each times its gain. The remainder is `c = ÿ − ((A_y y +
-    /// A_v ẏ) + B_x u)`, or `c = ÿ − (A_v ẏ + B_x u)` with quaternions. It is computed row by row. Each dot
-    /// product has four partial sums.
+    /// Converts the linearization `ÿ = A_y y + A_v ẏ + B_x u + c` to the equivalent straight-line program.
+    ///
+    /// Column j of `B_x` is the sum of the columns of M⁻¹ for the coordinates on which input j acts, each
+    /// times its gain. The remainder is `c = ÿ − ((A_y y + A_v ẏ) + B_x u)`, or `c = ÿ − (A_v ẏ + B_x u)`
+    /// with quaternions. It is computed row by row. Each dot product has four partial sums.
     #[must_use]
     pub fn unrolled(&self) -> Program {
         let Program { inputs, instructions, outputs } = self.called.unrolled();
@@ -79,7 +82,7 @@ impl Affine {
 }
 
 impl Writer {
-    /// All entries of D, row-major.
+    /// All entries of the matrix D in `δ̇ = D δ + v − v̄`, row-major.
     fn drift(&mut self, entries: &[Drift], n: usize) -> Vec<Operand> {
         let mut matrix = vec![Operand::Constant(0.0); n * n];
         for entry in entries {
@@ -108,8 +111,8 @@ impl Writer {
         sum.unwrap_or(Operand::Constant(0.0))
     }
 
-    /// Dot product of a row and an input array. Entry k belongs to partial sum k mod 4. Each partial sum
-    /// starts at 0.
+    /// Dot product of a row and an input array. Its terms are added to four partial sums, which start at 0:
+    /// term k to partial sum k mod 4.
     fn dot(&mut self, row: &[Operand], array: usize) -> Operand {
         let mut sums = [Operand::Constant(0.0); 4];
         for (k, &entry) in row.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! A function in array form. It has its own steps, or its results are affine in the results of another
+//! A function as loops over joints. It has its own loops, or its results are affine in the results of another
 //! function.
 
 use super::super::Program;
@@ -7,14 +7,14 @@ use super::{Affine, Arrays};
 /// A function with loops over arrays.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ArrayForm {
-    /// The function has its own steps over arrays.
+    /// The function has its own loops over joints.
     Steps(Arrays),
     /// The function is the linearization, which calls another function.
     Affine(Affine),
 }
 
 impl ArrayForm {
-    /// Equivalent straight-line program.
+    /// The straight-line program with the same operations as the loops.
     #[must_use]
     pub fn unrolled(&self) -> Program {
         match self {
@@ -32,7 +32,7 @@ impl ArrayForm {
         }
     }
 
-    /// The steps. For the linearization, these are the steps of the called function.
+    /// The loops over joints. For the linearization, they are those of the called function.
     #[must_use]
     pub fn arrays(&self) -> &Arrays {
         match self {

@@ -1,4 +1,4 @@
-//! Array form of a program: the same operations as loops over the joints.
+//! Functions as loops over the joints (array form), with the same operations as straight-line code.
 //!
 //! The length of straight-line code grows with the square or cube of the number n of joints and exceeds a
 //! processor's caches. The array form begins with straight-line code, the *setup*, whose length grows

@@ -1,48 +1,48 @@
-//! Arrays over joints, and the steps that compute them.
+//! Arrays over joints, and the loops (steps) that compute them.
 
 use super::super::{Operand, Program, Shape, fuse_multiply_adds};
 use super::{Coordinates, Tree};
 
-/// A function in array form: straight-line setup code, then steps on arrays, which are loops over the joints.
+/// A function as loops over the joints: straight-line code, then steps on arrays, each of which is a loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arrays {
-    /// Straight-line code before the steps. Its results are the first arrays.
+    /// Straight-line code before the loops. Its results are the first arrays.
     pub setup: Program,
-    /// All arrays. The arrays of the setup are first.
+    /// All arrays of the function. The results of the straight-line code before the loops are first.
     pub arrays: Vec<Array>,
-    /// Steps in order.
+    /// Steps in order. Each is a loop over joints or coordinates.
     pub steps: Vec<Step>,
-    /// Results in order.
+    /// Results of the function, in order.
     pub outputs: Vec<ArrayOutput>,
-    /// Tree of the joints.
+    /// Tree of the joints over which the loops run.
     pub joints: Tree,
     /// Coordinates that the joints follow; `None` if each joint is independent.
     pub coordinates: Option<Coordinates>,
-    /// For each joint with a quaternion, its velocities from the base outwards. Each velocity is one joint of
-    /// the loops.
+    /// For each joint with a quaternion, its velocities from the base outwards. The loops treat each velocity
+    /// as one joint.
     pub chains: Vec<Vec<usize>>,
-    /// Whether products and sums of the steps are contracted to fused multiply-adds.
+    /// Whether products and sums in the loops are contracted to fused multiply-adds.
     pub is_fused: bool,
 }
 
-/// Rows with one entry per joint or coordinate.
+/// An array of one or more rows with one entry per joint or coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array {
     /// Name of the array, an identifier.
     pub name: String,
-    /// Number of rows.
+    /// Number of rows of the array.
     pub rows: usize,
-    /// Index set of each row: joints or coordinates.
+    /// Index set of each row's entries: joints or coordinates.
     pub over: Over,
 }
 
-/// Relation of a joint to another joint.
+/// Relation of a joint to another joint in the tree: before, beyond, the same, or apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Relation {
     /// The joint is before the other joint on the path to the base, or both are velocities of the same joint
     /// with a quaternion.
     Before,
-    /// The joints are the same.
+    /// Both are the same joint.
     Same,
     /// The joint is beyond the other joint: the other joint is on its path to the base.
     Beyond,
@@ -60,101 +60,104 @@ pub enum Over {
     Coordinates,
 }
 
-/// Index of an array.
+/// Index of an array in the list of all arrays.
 pub type ArrayId = usize;
 
-/// One result of the function.
+/// One result of a function with loops over joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArrayOutput {
-    /// Name for documentation.
+    /// Name of the result for documentation.
     pub name: String,
-    /// Shape of the result.
+    /// Shape of the result: number, vector or matrix.
     pub shape: Shape,
-    /// Array of the result.
+    /// Index of the array that contains the result.
     pub array: ArrayId,
 }
 
-/// A step over arrays. A sum of products starts with the first product and adds the other products in order.
+/// A step: a loop that computes arrays. A sum of products starts with the first product and adds the other
+/// products in order.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Step {
     /// Runs the same small straight-line program for each joint.
     Map(Map),
     /// `to[·][j] = from[·][j]` plus the entries of all joints before j, computed from parents to children.
     SumAncestors {
-        /// Array of the terms.
+        /// Array with each joint's own term.
         from: ArrayId,
-        /// Array of the sums.
+        /// Array of the sums along the paths to the base.
         to: ArrayId,
     },
     /// `to[·][j] = from[·][j]` plus the entries of all joints beyond j, computed from children to parents.
     SumSubtrees {
-        /// Array of the terms.
+        /// Array with each joint's own term.
         from: ArrayId,
-        /// Array of the sums.
+        /// Array of the sums over the subtrees.
         to: ArrayId,
     },
-    /// Computes a matrix over pairs of joints on one path.
+    /// Computes a matrix whose entries belong to pairs of joints on one path to the base.
     Pairs(Pairs),
     /// `to[·][c]` is the sum of `from[·][j]` over the joints j that follow coordinate c.
     Collect {
-        /// Array over joints.
+        /// Array with one entry per joint, which is summed.
         from: ArrayId,
-        /// Array over coordinates.
+        /// Array of the sums, with one entry per coordinate.
         to: ArrayId,
     },
     /// `to[c][d]` is the sum of `from[i][j]` over the joints i that follow coordinate c and the joints j that
     /// follow coordinate d. The sums over i are computed first.
     Project {
-        /// A matrix over joints.
+        /// The matrix over joints that is summed.
         from: ArrayId,
-        /// A matrix over coordinates.
+        /// The matrix of the sums, over coordinates.
         to: ArrayId,
     },
-    /// `to[·][j] = from[·][k]` with the joint k whose body carries joint j, or 0 if the base carries joint j.
+    /// `to[·][j] = from[·][k]` for each joint j, with the joint k whose body carries joint j, or 0 if the
+    /// base carries joint j.
     GatherCarriers {
-        /// Source array.
+        /// Array from which the values of the carrying joints are copied.
         from: ArrayId,
-        /// Target array.
+        /// Array to which the values are copied.
         to: ArrayId,
     },
-    /// `to[·][j] = from[·][k]` with the last velocity k of the joint that j belongs to.
+    /// `to[·][j] = from[·][k]` for each joint j of the loops, with the last velocity k of the robot's joint
+    /// to which j belongs.
     GatherLast {
-        /// Source array.
+        /// Array from which the values of the last velocities are copied.
         from: ArrayId,
-        /// Target array.
+        /// Array to which the values are copied.
         to: ArrayId,
     },
     /// `to[·][j] = from[·][c]` with the coordinate c that joint j follows.
     Spread {
-        /// Array over coordinates.
+        /// Array over coordinates from which the values are copied.
         from: ArrayId,
-        /// Array over joints.
+        /// Array over joints to which the values are copied.
         to: ArrayId,
     },
     /// Inverse of a symmetric positive definite matrix that has the zeros of a mass matrix. It is computed by
     /// Gauss–Jordan elimination without pivoting, from the leaves to the base.
     Invert {
-        /// The matrix.
+        /// The matrix to be inverted.
         from: ArrayId,
-        /// The inverse.
+        /// The inverse of the matrix.
         to: ArrayId,
     },
     /// `to = −left · right` for matrices over the coordinates.
     NegativeProduct {
-        /// Left factor.
+        /// Left factor of the product.
         left: ArrayId,
-        /// Right factor.
+        /// Right factor of the product.
         right: ArrayId,
-        /// The product.
+        /// The negative product `−left · right`.
         to: ArrayId,
     },
     /// `to = matrix · vector` for a symmetric matrix.
     Apply {
-        /// The matrix.
+        /// The symmetric matrix of the product.
         matrix: ArrayId,
-        /// The vector, an array of one row.
+        /// The vector of the product, an array of one row.
         vector: ArrayId,
-        /// The product, an array of one row.
+        /// The product of matrix and vector, an array of one row.
         to: ArrayId,
     },
 }
@@ -162,19 +165,20 @@ pub enum Step {
 /// A step that runs a straight-line program for each joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
-    /// Name of the step, an identifier.
+    /// Name of the step in generated code, an identifier.
     pub name: String,
-    /// Purpose of the step, for documentation.
+    /// Purpose of the step, for the documentation of its loop.
     pub about: String,
-    /// Arrays that are read. The inputs of `body` are the rows of these arrays at one joint.
+    /// Arrays that the step reads. The inputs of `body` are the rows of these arrays at one joint.
     pub reads: Vec<ArrayId>,
-    /// Arrays that are written. The results of `body` are the rows of these arrays at the joint.
+    /// Arrays that the step writes. The results of `body` are the rows of these arrays at the joint.
     pub writes: Vec<ArrayId>,
-    /// The computation at each joint.
+    /// The straight-line program that runs at each joint.
     pub body: Program,
 }
 
-/// A matrix over pairs of joints. The sums are over the rows r of the arrays. The entry `to[i][j]` is
+/// A step that computes a matrix over pairs of joints. The sums are over the rows r of the arrays. The entry
+/// `to[i][j]` is
 ///
 /// - `Σ before.0[r][i] · before.1[r][j]` if j is before i on its path to the base, or is another velocity of
 ///   the same joint
@@ -183,15 +187,15 @@ pub struct Map {
 /// - 0 otherwise
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pairs {
-    /// The two arrays for the entries with j before i. The first array is read at joint i, the second at
-    /// joint j.
+    /// The two arrays whose products are the entries with joint j before joint i. The first array is read at
+    /// joint i, the second at joint j.
     pub before: (ArrayId, ArrayId),
-    /// The two arrays for the entries with j beyond i. The first array is read at joint i, the second at
-    /// joint j.
+    /// The two arrays whose products are the entries with joint j beyond joint i. The first array is read at
+    /// joint i, the second at joint j.
     pub beyond: (ArrayId, ArrayId),
-    /// Array of the diagonal, with one row.
+    /// Array with the diagonal of the matrix, with one row.
     pub diagonal: ArrayId,
-    /// Array of the matrix.
+    /// Array in which the matrix is stored.
     pub to: ArrayId,
 }
 
@@ -202,7 +206,7 @@ impl Arrays {
         self.coordinates.as_ref().map_or(&self.joints, |coordinates| &coordinates.tree)
     }
 
-    /// Relation of joint `j` to joint `i`.
+    /// Relation of joint `j` to joint `i` in the tree: before, beyond, the same, or apart.
     #[must_use]
     pub fn relation(&self, i: usize, j: usize) -> Relation {
         let is_one_joint = || self.chains.iter().any(|chain| chain.contains(&i) && chain.contains(&j));
@@ -234,8 +238,8 @@ impl Arrays {
         carriers
     }
 
-    /// For each joint of the loops, its last velocity if it belongs to a joint with a quaternion; otherwise
-    /// the joint itself.
+    /// For each joint over which the loops run, its last velocity if it belongs to a joint with a quaternion;
+    /// otherwise the joint itself.
     #[must_use]
     pub fn last(&self) -> Vec<usize> {
         let mut last: Vec<usize> = (0..self.joints.len()).collect();
@@ -247,7 +251,7 @@ impl Arrays {
         last
     }
 
-    /// Tree of the index set of an array.
+    /// Tree of the joints or coordinates to which an array's entries belong.
     #[must_use]
     pub fn tree(&self, array: ArrayId) -> &Tree {
         self.over(self.arrays[array].over)
@@ -279,7 +283,7 @@ impl Arrays {
         }
     }
 
-    /// Fuses multiply-adds in the steps: each product that is used only by sums becomes part of these sums.
+    /// Fuses multiply-adds in the loops: each product that is used only by sums becomes part of these sums.
     #[must_use]
     pub fn fused(&self) -> Self {
         let mut fused = self.clone();

@@ -1,22 +1,22 @@
-//! Index sets of arrays: the joints, and the coordinates that they follow.
+//! Trees to which the entries of arrays belong: the joints, and the coordinates that they follow.
 
 /// A tree of joints or of coordinates.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tree {
-    /// Parent of each entry.
+    /// Parent of each entry in the tree; `None` for an entry on the base.
     pub parents: Vec<Option<usize>>,
-    /// Entries, parents first.
+    /// Entries of the tree. Parents precede children.
     pub order: Vec<usize>,
 }
 
 impl Tree {
-    /// The number of entries.
+    /// The number of entries in the tree.
     #[must_use]
     pub fn len(&self) -> usize {
         self.parents.len()
     }
 
-    /// Whether the tree is empty.
+    /// Whether the tree has no entries.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.parents.is_empty()
@@ -47,16 +47,17 @@ impl Tree {
 /// Coordinates that the joints follow, for robots in which some joints are not independent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Coordinates {
-    /// Coordinate of each joint. Independent joints come first, in order.
+    /// Index of the coordinate that each joint follows. Independent joints come first, in order.
     pub of_joints: Vec<usize>,
-    /// Tree of the coordinates. Two coordinates are on one path if the inversion of M combines their rows.
+    /// Tree of the coordinates. Two coordinates are on one path if the inversion of the mass matrix combines
+    /// their rows.
     pub tree: Tree,
 }
 
 impl Coordinates {
     /// Finds the tree of the coordinates.
     ///
-    /// - `of_joints`: coordinate of each joint
+    /// - `of_joints`: index of the coordinate that each joint follows
     #[must_use]
     pub fn new(joints: &Tree, of_joints: Vec<usize>) -> Self {
         let n = of_joints.iter().max().map_or(0, |&last| last + 1);

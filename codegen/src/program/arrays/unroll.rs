@@ -1,4 +1,4 @@
-//! Converts the array form to its equivalent straight-line program.
+//! Converts loops over joints to the equivalent straight-line program.
 
 use super::writer::Writer;
 use super::{Array, Arrays, Coordinates, Map, Pairs, Relation, Step};
@@ -6,9 +6,9 @@ use crate::program::lower::give_names;
 use crate::program::{Operand, Operation, Output, Program};
 
 impl Arrays {
-    /// Returns a program with each operation of the array form as an instruction, in the same order. The
-    /// program omits the padding of rows, entries that loops compute and discard, and products with
-    /// structural zeros of the tree. Therefore a sum that is −0 in the program may be 0 in the loops.
+    /// Returns a program with each operation of the loops as an instruction, in the same order. The program
+    /// omits the padding of rows, entries that loops compute and discard, and products with structural zeros
+    /// of the tree. Therefore a sum that is −0 in the program may be 0 in the loops.
     #[must_use]
     pub fn unrolled(&self) -> Program {
         let mut unrolling = Unrolling {
@@ -125,7 +125,7 @@ impl Unrolling<'_> {
         }
     }
 
-    /// Adds the entries of another joint to the entries of a joint.
+    /// Adds the array entries of one joint to those of another joint.
     fn add_rows(&mut self, array: usize, joint: usize, other: Option<usize>) {
         let Some(other) = other else { return };
         for row in 0..self.form.arrays[array].rows {
@@ -146,7 +146,7 @@ impl Unrolling<'_> {
         }
     }
 
-    /// Collects, for each coordinate, the entries of the joints that follow it.
+    /// Lists, for each coordinate, the entries of the joints that follow it.
     fn collected(&self, entry: impl Fn(usize) -> Operand) -> Vec<Vec<Operand>> {
         let mut collected: Vec<Vec<Operand>> =
             (0..self.form.coordinates().len()).map(|own| vec![entry(own)]).collect();
@@ -216,7 +216,7 @@ impl Unrolling<'_> {
         self.writer.sum_of_products(&terms)
     }
 
-    /// One step of the Gauss–Jordan elimination with pivot k.
+    /// One step of the Gauss–Jordan elimination, with pivot k.
     fn sweep(&mut self, matrix: usize, k: usize) {
         let (n, tree) = (self.form.coordinates().len(), self.form.coordinates());
         let pivot = self.at(matrix, k, k);

@@ -1,4 +1,4 @@
-//! Writer of instructions.
+//! Writer of a program's instructions.
 
 use crate::program::{Instruction, Operand, Operation};
 
@@ -15,7 +15,7 @@ impl Writer {
         Operand::Value(self.instructions.len() - 1)
     }
 
-    /// The sum `sum + a · b`.
+    /// The sum `sum + a · b`, fused if the function's products and sums are fused.
     pub(super) fn add_product(&mut self, sum: Operand, a: Operand, b: Operand) -> Operand {
         if self.is_fused {
             return self.push(Operation::MultiplyAdd(a, b, sum));

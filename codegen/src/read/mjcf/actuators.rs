@@ -14,13 +14,13 @@ use crate::diagnostic::{At, Span, nearest};
 use crate::model::{FrictionTerm, Input, MotorTorque};
 use gelenk_formula::Formula;
 
-/// The length of a fixed tendon: a weighted sum of positions.
+/// The length of a fixed tendon: a weighted sum of joint positions.
 type Sum = Vec<FollowsDescription>;
 
-/// Weighted sums of all fixed tendons by name.
+/// Weighted sums of joint positions for all fixed tendons, by the tendons' names.
 pub(super) type Sums = BTreeMap<String, Sum>;
 
-/// Attributes of a general actuator, with the values for which the force is proportional to the input.
+/// Attributes of a general actuator, with the values for which its force is proportional to its input.
 const SERVO: [(&str, &[&str]); 3] =
     [("gaintype", &["fixed"]), ("biastype", &["none"]), ("dyntype", &["none"])];
 
@@ -111,13 +111,14 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// Whether two joints of a sum are on different branches.
+    /// Whether two joints of a weighted sum are on different branches of the tree.
     fn is_branched(&self, sum: &Sum) -> bool {
         let joints = || sum.iter().map(|part| part.joint.value.as_str());
         joints().any(|a| joints().any(|b| !self.carries(a, b) && !self.carries(b, a)))
     }
 
-    /// Whether a joint carries the link of another joint, or is the same joint.
+    /// Whether a joint carries the link of another joint, directly or through other links, or is the same
+    /// joint.
     fn carries(&self, joint: &str, other: &str) -> bool {
         let joints = &self.robot.joints;
         let parent = |at: &&JointDescription| {
@@ -279,14 +280,14 @@ impl<'a> Reader<'_, 'a> {
 }
 
 impl Motor {
-    /// A motor without input, for the armature and friction of a joint or a tendon.
+    /// A motor without input, for the rotor inertia and friction of a joint or a tendon.
     fn passive(span: Span) -> Self {
         let torque = MotorTorque::default();
         Self { gear: 1.0, rotor_inertia: 0.0, friction: Vec::new(), input: Input::None, torque, span }
     }
 }
 
-/// The terms of `viscous · v + dry · sign(v)`.
+/// Friction terms of the law `viscous · v + dry · sign(v)`.
 fn friction(viscous: f64, dry: f64) -> Vec<FrictionTerm> {
     let [viscous, dry] = [viscous, dry].map(|value| Some(Formula::Number(value)).filter(|_| value != 0.0));
     viscous.map(FrictionTerm::viscous).into_iter().chain(dry.map(FrictionTerm::coulomb)).collect()

@@ -130,7 +130,7 @@ impl<'a> Reader<'_, 'a> {
     }
 }
 
-/// Drops equalities and drives of joints that are not attached together with the body, as MuJoCo does.
+/// Drops equalities and drives that refer to joints outside of the attached body, as MuJoCo does.
 fn cut_references(robot: &mut RobotDescription) {
     let joints: BTreeSet<String> = robot.joints.iter().map(|joint| joint.name.value.clone()).collect();
     let is_whole = |on: &[FollowsDescription]| on.iter().all(|term| joints.contains(&term.joint.value));
@@ -142,7 +142,7 @@ fn cut_references(robot: &mut RobotDescription) {
     robot.drives.retain(|drive| is_whole(&drive.on));
 }
 
-/// All names of a robot.
+/// All names of bodies, joints and other parts of a robot.
 fn names(robot: &mut RobotDescription) -> Vec<&mut Name> {
     let mut names: Vec<&mut Name> = Vec::new();
     names.extend(robot.links.iter_mut().chain(&mut robot.weightless_shapes));

@@ -8,16 +8,16 @@ use crate::diagnostic::At;
 use crate::model::{JointKind, Pose};
 use gelenk_formula::Formula;
 
-/// Elements that generate several bodies.
+/// Tags of elements that MuJoCo expands to several bodies.
 const GENERATORS: [&str; 2] = ["composite", "flexcomp"];
 
-/// Elements with bodies.
+/// Tags of elements that contain bodies.
 const BODIES: [&str; 2] = ["body", "attach"];
 
 /// Largest number of elements in a body. It limits the attribute `count` of `<replicate>`.
 const MOST_ELEMENTS: usize = 10_000;
 
-/// A body that is read later.
+/// A body that is read after the bodies before it, with the name of its parent.
 struct Waiting<'a> {
     body: Placed<'a>,
     parent: Name,
@@ -163,9 +163,9 @@ impl<'a> Reader<'_, 'a> {
         contents
     }
 
-    /// The copies of `<replicate>`. Each copy is moved by `offset` in the frame of the previous copy, and
-    /// turned by its number times the angles `euler`. Names in a copy end with `sep` and the number of the
-    /// copy.
+    /// The copies that `<replicate>` makes. Each copy is moved by `offset` in the frame of the previous copy,
+    /// and turned by its number times the angles `euler`. Names in a copy end with `sep` and the number of
+    /// the copy.
     fn copies(&mut self, replicate: &Placed<'a>, most: usize) -> Vec<Placed<'a>> {
         let element = replicate.element;
         let count = self.number(element.attribute("count"), "count");

@@ -2,7 +2,7 @@
 
 use super::files::{Element, Files, Given};
 
-/// Tags of elements that share one set of defaults.
+/// Tags of actuators, which share one set of defaults.
 const ACTUATORS: [&str; 13] = [
     "general",
     "motor",
@@ -19,18 +19,18 @@ const ACTUATORS: [&str; 13] = [
     "plugin",
 ];
 
-/// A class, with its default attributes for each kind of element.
+/// A default class, with its attributes for each kind of element.
 struct Class<'a> {
     name: &'a str,
     parent: Option<usize>,
     elements: Vec<Element<'a>>,
 }
 
-/// All classes. The first class belongs to the elements without a class.
+/// All default classes. The first class belongs to the elements without a class.
 pub(super) struct Classes<'a>(Vec<Class<'a>>);
 
 impl<'a> Classes<'a> {
-    /// Collects the classes of `<default>` sections.
+    /// Collects the default classes of `<default>` sections.
     pub(super) fn of(sections: &[Element<'a>], files: &'a Files<'a>) -> Self {
         let mut classes = vec![Class { name: "main", parent: None, elements: Vec::new() }];
         let mut stack: Vec<(Element<'a>, Option<usize>)> =
@@ -58,7 +58,7 @@ impl<'a> Classes<'a> {
         Self(classes)
     }
 
-    /// Index of a class; `None` if the class is unknown.
+    /// Index of the default class with this name; `None` if the class is unknown.
     pub(super) fn find(&self, name: &str) -> Option<usize> {
         match name {
             "main" => Some(0),
@@ -70,8 +70,8 @@ impl<'a> Classes<'a> {
         self.0.iter().map(|class| class.name)
     }
 
-    /// Value of an attribute for elements with this tag, from a class or an enclosing class; `None` without a
-    /// default.
+    /// Default value of an attribute for elements with this tag, from a class or an enclosing class; `None`
+    /// without a default.
     pub(super) fn attribute(&self, class: usize, tag: &str, key: &str) -> Option<Given<'a>> {
         let kind = |tag: &str| if ACTUATORS.contains(&tag) { "general".to_owned() } else { tag.to_owned() };
         let wanted = kind(tag);

@@ -1,21 +1,21 @@
-//! Settings of `<compiler>` and `<option>` that affect all other elements.
+//! Settings of the MJCF elements `<compiler>` and `<option>`, which affect all other elements.
 
 use std::path::{Path, PathBuf};
 
 use super::Reader;
 use super::files::{Element, plain_path};
 
-/// Settings of the model. The defaults are MuJoCo's.
+/// Settings of the MJCF element `<compiler>`. The defaults are MuJoCo's.
 pub(super) struct Compiler {
-    /// Size of the unit of angles, in rad.
+    /// Size of the unit of angles in the file, in rad.
     pub(super) angle: f64,
-    /// Axes of the three angles of `euler`. Capital letters mean axes of the parent frame.
+    /// Axes of the three angles of the attribute `euler`. Capital letters mean axes of the parent frame.
     pub(super) eulerseq: [char; 3],
     /// Whether a range is a limit if no attribute says otherwise.
     pub(super) autolimits: bool,
-    /// Cases in which geoms determine the inertia.
+    /// Cases in which the inertia of a body is computed from its geoms.
     pub(super) inertia_from_geoms: FromGeoms,
-    /// Lowest and highest group of geoms with mass.
+    /// Lowest and highest group number of geoms with mass.
     pub(super) groups: [f64; 2],
     /// Smallest mass of a body in kg (`boundmass`).
     pub(super) least_mass: f64,
@@ -23,13 +23,13 @@ pub(super) struct Compiler {
     pub(super) least_inertia: f64,
     /// Whether moments that violate the triangle inequality are replaced by their mean (`balanceinertia`).
     pub(super) balances: bool,
-    /// Sum of all masses in kg, to which the masses are scaled (`settotalmass`).
+    /// Sum of all masses in kg, to which the masses are scaled (`settotalmass`); `None` for unscaled masses.
     pub(super) total_mass: Option<f64>,
-    /// Folder of the model, in which paths of meshes begin.
+    /// Folder of the model, to which paths of meshes are relative.
     pub(super) folder: PathBuf,
     /// Folder of the meshes, relative to `folder` (`meshdir`).
     pub(super) mesh_folder: PathBuf,
-    /// Whether folders are removed from file names.
+    /// Whether folders are removed from file names (`strippath`).
     pub(super) strips_paths: bool,
 }
 
@@ -73,7 +73,7 @@ impl Compiler {
 const DISABLING: [&str; 6] = ["passive", "spring", "damper", "frictionloss", "equality", "actuation"];
 
 impl<'a> Reader<'_, 'a> {
-    /// Reads the settings of a `<compiler>`.
+    /// Reads the settings of a `<compiler>` element.
     pub(super) fn compiler(&mut self, element: Element<'a>) {
         if let Some(unit) = self.word(element, "angle", &["degree", "radian"]) {
             self.compiler.angle = if unit == "degree" { std::f64::consts::PI / 180.0 } else { 1.0 };
@@ -139,7 +139,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// Reads gravity. Adds remarks about other global forces and about flags.
+    /// Reads gravity from `<option>`. Adds remarks about other global forces and about flags.
     pub(super) fn option(&mut self, element: Element<'a>) {
         if let Some(gravity) = self.vector(element.attribute("gravity"), "gravity") {
             self.gravity = gravity.value;

@@ -35,7 +35,8 @@ impl<'a> Reader<'_, 'a> {
         self.notes.remark(notes::LOOP, element.span(), name);
     }
 
-    /// Reads `length1 − length1₀ = a₀ + a₁ (length2 − length2₀)`. The length of a joint is its position.
+    /// Reads `length1 − length1₀ = a₀ + a₁ (length2 − length2₀)`. The length of a joint is its position, and
+    /// that of a fixed tendon a weighted sum of positions.
     fn equality(&mut self, placed: &Placed<'a>, sums: &Sums) {
         let element = placed.element;
         let polynomial = self.numbers_of(placed);
@@ -68,7 +69,8 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// The joints of a length, with their factors; `None` if the length is not a sum of joint positions.
+    /// The joints in the length of an equality, with their factors; `None` if the length is not a sum of
+    /// joint positions.
     fn length(
         &mut self,
         element: Element<'a>,
@@ -113,7 +115,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// The coefficients a. Without coefficients, joint1 equals joint2.
+    /// The coefficients a₀, a₁, … of an equality of joints. Without coefficients, joint1 equals joint2.
     fn numbers_of(&mut self, placed: &Placed<'a>) -> Vec<f64> {
         let own = placed.element.attribute("polycoef");
         let given = own.or_else(|| self.classes.attribute(placed.class, "equality", "polycoef"));

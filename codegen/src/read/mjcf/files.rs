@@ -13,7 +13,7 @@ use crate::read::urdf::text::{UrdfText, opening_tag};
 /// Largest number of files that include each other.
 const MOST_FILES: usize = 100;
 
-/// A file of the model.
+/// A file of the model, with its path and text.
 pub(super) struct Text {
     /// Path of the file, relative to the folder of the first description.
     pub(super) path: PathBuf,
@@ -78,7 +78,7 @@ pub(super) fn gather(model: Text, load: &mut dyn Fetch, report: &mut Report) -> 
     Some(texts)
 }
 
-/// The files that a text includes.
+/// The files that a text includes, with the places of the `<include>` elements.
 fn includes(text: &Text, report: &mut Report) -> Option<Vec<At<String>>> {
     let document = match Document::parse(text.text.as_str()) {
         Ok(document) => document,
@@ -100,15 +100,16 @@ pub(super) fn plain_path(path: &str) -> String {
     path.replace('\\', "/")
 }
 
-/// Index of the including file, and the name of the included file in its `<include>`.
+/// Index of the including file, and the name of the included file in its `<include>`; `None` for the model
+/// itself.
 type Included<'t> = Option<(usize, &'t str)>;
 
-/// Parsed texts of the model and its includes.
+/// Parsed texts of the model and its included files.
 pub(super) struct Files<'t> {
     files: Vec<(Included<'t>, usize, Document<'t>)>,
 }
 
-/// An element, with the index of its file.
+/// An XML element, with the index of its file.
 #[derive(Clone, Copy)]
 pub(super) struct Element<'a> {
     pub(super) node: Node<'a, 'a>,
@@ -169,19 +170,19 @@ impl<'a> Element<'a> {
         Some(Given::of(attribute, self.source))
     }
 
-    /// Names and places of the attributes.
+    /// Names and places of the element's attributes.
     pub(super) fn attributes(self) -> impl Iterator<Item = (&'a str, Span)> {
         let own = self.node.attributes().filter(|attribute| attribute.namespace().is_none());
         own.map(move |attribute| (attribute.name(), Span::new(self.source, attribute.range())))
     }
 
-    /// Place of the opening tag.
+    /// Place of the element's opening tag.
     pub(super) fn span(self) -> Span {
         opening_tag(self.node, self.source)
     }
 }
 
-/// Value of an attribute, with its place.
+/// Value of an attribute, with its place in the file.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Given<'a> {
     pub(super) text: &'a str,

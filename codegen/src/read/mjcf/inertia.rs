@@ -14,14 +14,14 @@ use crate::model::pose::{Rotation, Unsaid, rotate_inertia};
 use crate::numeric::length;
 use gelenk_formula::Formula;
 
-/// Density of water, the default of MuJoCo [kg/m³].
+/// Density of water, the default of MuJoCo (kg/m³).
 const DENSITY: f64 = 1000.0;
 
-/// Types of geoms whose shape is a file.
+/// Types of geoms whose shape is a mesh file.
 const MESHES: [&str; 2] = ["mesh", "sdf"];
 const FLAT: [&str; 2] = ["plane", "hfield"];
 
-/// Mass, centre of mass, and inertia xx, xy, xz, yy, yz, zz about the centre of mass.
+/// Mass, centre of mass, and inertia about the centre of mass with the entries xx, xy, xz, yy, yz, zz.
 #[derive(Debug, Clone, Copy)]
 struct Lump {
     mass: f64,
@@ -29,11 +29,11 @@ struct Lump {
     inertia: [f64; 6],
 }
 
-/// Contribution of a geom to its body.
+/// Mass and inertia that a geom adds to its body.
 enum Share {
     Nothing,
     Lump(Lump),
-    /// A mesh without integrals, with the reason.
+    /// A mesh whose mass and inertia cannot be computed, with the reason.
     Unknown(String),
 }
 
@@ -93,7 +93,7 @@ impl<'a> Reader<'_, 'a> {
         Some(Lump { mass, center: origin(&pose), inertia: turned(&pose.rotation, inertia) })
     }
 
-    /// The sum of the geoms that have mass; `None` if no geom has mass.
+    /// Mass and inertia of all geoms of a body together; `None` if no geom has mass.
     fn of_geoms(&mut self, name: &Name, contents: &[Placed<'a>]) -> Option<Lump> {
         let mut lumps = Vec::new();
         for geom in contents.iter().filter(|placed| placed.element.tag() == "geom") {
@@ -157,7 +157,7 @@ impl<'a> Reader<'_, 'a> {
         Share::Lump(Lump { mass, center: origin(&pose), inertia })
     }
 
-    /// Mass and inertia of a mesh with this mass or density.
+    /// Mass and inertia of a mesh with this mass, or with this density if the mass is `None`.
     fn of_mesh(
         &mut self,
         geom: &Placed<'a>,
@@ -180,7 +180,7 @@ impl<'a> Reader<'_, 'a> {
         })
     }
 
-    /// A primitive shape, and its pose.
+    /// A geom's primitive shape, and its pose in the body's frame.
     fn solid(&mut self, geom: &Placed<'a>, kind: &str, body: &Name) -> Option<(Solid, Pose)> {
         let ends = self.vector::<6>(self.find(geom, "fromto"), "fromto");
         let given = self.find(geom, "size");
@@ -216,7 +216,8 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// The inertia after the limits of `<compiler>` are applied.
+    /// The inertia after the bounds of `<compiler>` are applied: smallest mass, smallest moments, triangle
+    /// inequality.
     fn bounded(&mut self, lump: Option<Lump>) -> Option<Lump> {
         let compiler = &self.compiler;
         let is_bounded = compiler.least_mass > 0.0 || compiler.least_inertia > 0.0;
@@ -240,7 +241,7 @@ impl<'a> Reader<'_, 'a> {
         Some(lump)
     }
 
-    /// Scales all masses to the sum in `<compiler>`.
+    /// Scales all masses so that their sum is the one in `<compiler>`.
     pub(super) fn scale_masses(&mut self) {
         let Some(total) = self.compiler.total_mass else { return };
         let masses = self.robot.bodies.iter().filter_map(|body| body.mass.as_ref()?.value.as_number());
@@ -258,7 +259,7 @@ impl<'a> Reader<'_, 'a> {
 
 const SOLIDS: [&str; 5] = ["sphere", "capsule", "ellipsoid", "cylinder", "box"];
 
-/// Volume and moments of a solid with these sizes: radii and half lengths.
+/// Volume and moments of a primitive solid with these sizes: radii and half lengths.
 fn solid(kind: &str, size: &[f64]) -> Option<Solid> {
     let count = match kind {
         "sphere" => 1,

@@ -1,4 +1,4 @@
-//! Reading of joints. Several joints in one body become a chain.
+//! Reading of MJCF joints. Several joints in one body become a chain.
 
 use super::place::by_axis;
 use super::{KnownJoint, Placed, Reader, notes, or};
@@ -10,11 +10,11 @@ use crate::read::composite::{self, Composite, Place};
 use crate::read::toml::forces::warn_of_negative_stiffness;
 use gelenk_formula::{Formula, TermOf};
 
-/// The two links of a joint.
+/// The two links that a joint connects.
 struct Between {
     parent: Name,
     child: Name,
-    /// Frame of the body in the parent's frame, at position 0 of this joint.
+    /// Pose of the moved body in the parent's frame if the joint is at position 0.
     frame: Pose,
 }
 
@@ -80,7 +80,7 @@ impl<'a> Reader<'_, 'a> {
         Pose { translation, ..Pose::identity() }
     }
 
-    /// Reads a hinge or a slide.
+    /// Adds a hinge or a slide, which has one position.
     fn single(&mut self, joint: &Placed<'a>, name: Name, between: Between, slides: bool) {
         let axis = self.find(joint, "axis");
         let axis = self.direction(axis, "axis").unwrap_or([0.0, 0.0, 1.0]);
@@ -200,7 +200,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// Reads a range; `None` unless the attribute `switch` or the default makes it a limit.
+    /// Reads a range as a limit; `None` unless the attribute `switch` or the default makes the range a limit.
     pub(super) fn range(&mut self, placed: &Placed<'a>, key: &str, switch: &str) -> Option<At<[f64; 2]>> {
         let given = self.find(placed, key)?;
         let switch_word = match self.find(placed, switch) {
@@ -215,7 +215,7 @@ impl<'a> Reader<'_, 'a> {
         self.vector(Some(given), key).filter(|_| is_on)
     }
 
-    /// The force of a spring, `−stiffness (y − springref)`.
+    /// The force of a joint's spring, `−stiffness (y − springref)` with the position y.
     fn spring(&mut self, joint: &Placed<'a>, unit: f64) -> Option<At<Vec<Formula>>> {
         if let Some(given) = self.find(joint, "springdamper").filter(|given| !is_zero(given.text)) {
             let body = joint.element.node.attribute("name").unwrap_or("a joint");
@@ -233,8 +233,8 @@ impl<'a> Reader<'_, 'a> {
         Some(At::new(vec![law], stiffness.span))
     }
 
-    /// The linear coefficient of a law: its first number. Other numbers are coefficients of higher powers and
-    /// give a remark if they are not 0.
+    /// The linear coefficient of a force law: the first number of the attribute. Other numbers are
+    /// coefficients of higher powers and give a remark if they are not 0.
     fn linear(&mut self, joint: &Placed<'a>, key: &str) -> Option<At<f64>> {
         let numbers = self.numbers(self.find(joint, key)?, key)?;
         if numbers.value.iter().skip(1).any(|number| *number != 0.0) {

@@ -5,18 +5,19 @@ use crate::numeric::{cross, length};
 type Point = [f64; 3];
 type Triangle = [Point; 3];
 
-/// Distribution of mass over a mesh, with MuJoCo's names.
+/// Distribution of mass over a mesh, with the names in MuJoCo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Filling {
-    /// Sum of the absolute volumes of the pyramids from the centre to all triangles. The surface may be open.
+    /// Mass in the pyramids from the centre to all triangles, whose absolute volumes are added. The surface
+    /// may be open.
     Legacy,
-    /// Volume inside a closed surface.
+    /// Mass in the volume inside a closed surface.
     Exact,
-    /// The surface alone.
+    /// Mass on the surface alone, without the volume.
     Shell,
 }
 
-/// Integrals over a mesh with density 1.
+/// Volume, centre and inertia of a mesh with density 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct MeshIntegrals {
     /// Volume (m³), or area of a shell (m²).
@@ -26,7 +27,7 @@ pub(super) struct MeshIntegrals {
     pub inertia: [f64; 6],
 }
 
-/// Meshes of a smaller size have no centre. This is the bound of MuJoCo.
+/// Smallest size of a mesh for which a centre is computed. This is the bound of MuJoCo.
 const LEAST_SIZE: f64 = 1e-15;
 
 /// Volume, centre and inertia of a mesh from pyramids between a point and each triangle (Tonon, Explicit
@@ -73,7 +74,7 @@ pub(super) fn integrals(triangles: &[Triangle], filling: Filling) -> Result<Mesh
     Ok(MeshIntegrals { size: sizes(center).sum(), center, inertia })
 }
 
-/// Rows and columns of xx, xy, xz, yy, yz, zz.
+/// Rows and columns of the inertia entries xx, xy, xz, yy, yz, zz.
 const PAIRS: [[usize; 2]; 6] = [[0, 0], [0, 1], [0, 2], [1, 1], [1, 2], [2, 2]];
 
 /// Volume of the pyramid between a point and a triangle, or the triangle's area.
@@ -151,7 +152,7 @@ fn text_stl(text: &str) -> Option<Vec<Triangle>> {
     rest.is_empty().then(|| triangles.to_vec())
 }
 
-/// Three numbers in single precision.
+/// Reads three numbers in single precision.
 fn point(text: &str) -> Option<Point> {
     let numbers = text.split_whitespace().take(3).map(|word| word.parse::<f32>().map(f64::from));
     numbers.collect::<Result<Vec<f64>, _>>().ok()?.try_into().ok()

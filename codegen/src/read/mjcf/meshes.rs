@@ -6,14 +6,14 @@ use super::{Placed, Reader, plain_path};
 use crate::model::pose::rotate_numbers;
 use crate::numeric::length;
 
-/// Values of the attribute `inertia`.
+/// Values of the attribute `inertia` of a mesh, and the distribution of mass that each means.
 const FILLINGS: [(&str, Filling); 4] = [
     ("legacy", Filling::Legacy),
     ("exact", Filling::Exact),
     (CONVEX, Filling::Exact),
     ("shell", Filling::Shell),
 ];
-/// Value of `inertia` for the volume inside the convex hull.
+/// Value of the attribute `inertia` for the volume inside the convex hull of a mesh.
 const CONVEX: &str = "convex";
 
 impl<'a> Reader<'_, 'a> {

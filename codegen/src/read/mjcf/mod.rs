@@ -1,7 +1,7 @@
 //! Reader of MJCF, the format of MuJoCo. It makes a [`RobotDescription`].
 //!
-//! Elements that affect M, k and q are read as MuJoCo's compiler reads them. Other elements are skipped with
-//! a note.
+//! Elements that affect the equations of motion are read as MuJoCo's compiler reads them. Other elements are
+//! skipped with a note.
 
 mod actuators;
 mod attach;
@@ -39,7 +39,7 @@ use gelenk_formula::{Formula, LARGEST_NUMBER, too_large};
 /// Name of the link of all parts that do not move.
 const WORLD: &str = "world";
 
-/// Sections that do not affect the equations.
+/// Sections of an MJCF that do not affect the equations of motion.
 const HARMLESS: [&str; 9] =
     ["size", "visual", "statistic", "asset", "contact", "sensor", "keyframe", "custom", "extension"];
 
@@ -50,7 +50,7 @@ struct KnownJoint {
     reference: f64,
     has_quaternion: bool,
     is_free: bool,
-    /// Contribution of the armature to M.
+    /// Inertia that the joint's armature adds to the diagonal of the mass matrix.
     armature: f64,
 }
 
@@ -65,22 +65,23 @@ pub(super) struct Reader<'r, 'a> {
     gravity: [f64; 3],
     notes: Notes,
     robot: RobotDescription,
-    /// Joints by their names in the file.
+    /// Properties of joints by their names in the file.
     joints: BTreeMap<String, KnownJoint>,
     sites: BTreeSet<String>,
-    /// For each body, the index of its first joint.
+    /// For each body, the index of its first joint in the list of joints.
     bodies: BTreeMap<String, usize>,
-    /// Models of `<asset>`, and the folder in which their paths begin.
+    /// Models that `<asset>` names, and the folder in which their paths begin.
     models: Vec<Element<'a>>,
     folder: PathBuf,
-    /// Files of the models to which this model is attached, and its own file.
+    /// Files of the models to which this model is attached, then its own file. They detect models that attach
+    /// themselves.
     chain: Vec<PathBuf>,
     link_names: Distinct,
     joint_names: Distinct,
     drive_names: Distinct,
 }
 
-/// An element in its body, with the pose of the enclosing frames and its class.
+/// An element in a body, with the pose of the enclosing frames and its default class.
 #[derive(Clone)]
 struct Placed<'a> {
     element: Element<'a>,
@@ -91,7 +92,7 @@ struct Placed<'a> {
 }
 
 impl<'a> Placed<'a> {
-    /// An element outside of bodies.
+    /// An element outside of bodies, with the identity pose.
     fn outside(element: Element<'a>, class: usize) -> Self {
         Self { element, pose: Pose::identity(), class, suffix: String::new() }
     }
@@ -214,7 +215,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// Reports an element that would generate bodies or forces.
+    /// Reports an error for an element that would generate bodies or forces.
     fn refuse(&mut self, element: Element<'a>) {
         let message = format!("<{}> is not supported", element.tag());
         self.report.error(element.span(), "unsupported-element", message);
@@ -223,13 +224,13 @@ impl<'a> Reader<'_, 'a> {
         );
     }
 
-    /// Attribute of an element, or of its class; `None` if neither has it.
+    /// Attribute of an element, or of its default class; `None` if neither has it.
     fn find(&self, placed: &Placed<'a>, key: &str) -> Option<Given<'a>> {
         let own = placed.element.attribute(key);
         own.or_else(|| self.classes.attribute(placed.class, placed.element.tag(), key))
     }
 
-    /// Index of the class that an element names, or of the enclosing class.
+    /// Index of the default class that an element names, or of the enclosing class.
     fn class(&mut self, element: Element<'a>, key: &str, around: usize) -> usize {
         let Some(given) = element.attribute(key) else { return around };
         match self.classes.find(given.text) {
@@ -291,7 +292,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// Reads any number of numbers.
+    /// Reads a list of numbers of any length.
     fn numbers(&mut self, given: Given<'a>, key: &str) -> Option<At<Vec<f64>>> {
         let words = given.text.split_whitespace().map(|word| word.parse::<f64>().map(|number| number + 0.0));
         let numbers: Result<Vec<f64>, _> = words.collect();
@@ -327,7 +328,7 @@ fn or(given: Option<At<f64>>, default: f64) -> f64 {
     given.map_or(default, |given| given.value)
 }
 
-/// Place of a number, or of its element.
+/// Place of a number if it is given, otherwise the place of its element.
 fn span_of<T>(given: Option<&At<T>>, otherwise: Span) -> Span {
     given.map_or(otherwise, |given| given.span)
 }

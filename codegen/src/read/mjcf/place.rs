@@ -9,10 +9,11 @@ use crate::numeric::{cross, length};
 use crate::spatial::rotation_about;
 use gelenk_formula::Formula;
 
-/// Vectors up to this length have no direction.
+/// Vectors up to this length are treated as vectors without direction.
 const NO_LENGTH: f64 = 1e-14;
 
-/// Finds an attribute of an orientation in the element, and for some elements in its class.
+/// Function that finds an attribute of an orientation in the element, and for some elements in its default
+/// class.
 type Find<'f, 'a> = dyn Fn(&str) -> Option<Given<'a>> + 'f;
 
 impl<'a> Reader<'_, 'a> {
@@ -84,7 +85,7 @@ impl<'a> Reader<'_, 'a> {
         rotation
     }
 
-    /// Rotation from the axes x and y. The part of y along x is removed.
+    /// Rotation matrix from the axes x and y. The part of y along x is removed.
     fn by_axes(&mut self, given: &At<[f64; 6]>) -> Rotation {
         let [a, b, c, d, e, f] = given.value;
         let size = length([a, b, c]);
@@ -116,7 +117,7 @@ impl<'a> Reader<'_, 'a> {
         is_direction
     }
 
-    /// A direction as a unit vector.
+    /// Reads a direction and returns it as a unit vector.
     pub(super) fn direction(&mut self, given: Option<Given<'a>>, key: &str) -> Option<[f64; 3]> {
         let given = self.vector::<3>(given, key)?;
         let size = length(given.value);

@@ -1,7 +1,7 @@
 //! Elements of MJCF, and attributes of the elements that are read. Both are from current and earlier schemas
 //! of MuJoCo.
 
-/// Locations of elements.
+/// Enclosing element or section in which an element may occur.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Place {
     Model,
@@ -15,11 +15,11 @@ pub(super) enum Place {
     Actuators,
 }
 
-/// Tag and attributes of an element. An element without attributes here is not read, and its attributes are
-/// not checked.
+/// Tag and attributes of an element. If no attributes are listed, the element is not read and its attributes
+/// are not checked.
 type Entry = (&'static str, &'static [&'static str]);
 
-/// Attributes for an orientation. An element may have one of them.
+/// Attributes that give an orientation. An element may have one of them.
 pub(super) const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
 
 const POSE: &str = "pos quat axisangle euler xyaxes zaxis";
@@ -57,7 +57,7 @@ const MODEL: [Entry; 16] = [
     ("extension", &[]),
 ];
 
-/// A section without elements that are read.
+/// The section `deformable`, which has no elements that are read.
 const DEFORMABLE: Entry = ("deformable", &[]);
 
 const COMPILER: [Entry; 1] = [("lengthrange", &[])];
@@ -98,7 +98,7 @@ const BODY: [Entry; 14] = [
     ("attach", &["model body prefix"]),
 ];
 
-/// Elements with defaults in classes, except elements of bodies and actuators.
+/// Elements that may have defaults in classes, except elements of bodies and actuators.
 const DEFAULTS: [Entry; 8] = [
     ("default", &["class"]),
     ("equality", &["active solref solimp polycoef"]),
@@ -110,7 +110,7 @@ const DEFAULTS: [Entry; 8] = [
     ("skin", &[]),
 ];
 
-/// Elements of bodies that have defaults in classes.
+/// Tags of elements of bodies that may have defaults in classes.
 const IN_CLASSES: [&str; 6] = ["joint", "geom", "site", "camera", "light", "plugin"];
 
 const EQUALITIES: [Entry; 8] = [
@@ -157,7 +157,7 @@ const ACTUATORS: [Entry; 13] = [
     ("plugin", &[]),
 ];
 
-/// The elements that a location allows.
+/// The elements that may occur in this section, with their attributes.
 fn entries(place: Place) -> Vec<Entry> {
     match place {
         Place::Model => MODEL.iter().chain([&DEFORMABLE]).copied().collect(),
@@ -175,19 +175,19 @@ fn entries(place: Place) -> Vec<Entry> {
     }
 }
 
-/// Tags of the elements that a location allows.
+/// Tags of the elements that may occur in this section.
 pub(super) fn tags(place: Place) -> Vec<&'static str> {
     entries(place).into_iter().map(|(tag, _)| tag).collect()
 }
 
-/// Attributes of an element; `None` if the element is not read.
+/// Attributes that an element in this section may have; `None` if the element is not read.
 pub(super) fn attributes(place: Place, tag: &str) -> Option<Vec<&'static str>> {
     let (_, groups) = entries(place).into_iter().find(|(known, _)| *known == tag)?;
     let words = groups.iter().flat_map(|group| group.split_whitespace());
     (!groups.is_empty()).then(|| words.collect())
 }
 
-/// Location of the elements inside an element; `None` if they are not read.
+/// Section that the content of an element belongs to; `None` if this content is not read.
 pub(super) fn inside(place: Place, tag: &str) -> Option<Place> {
     match (place, tag) {
         (Place::Model, "compiler") => Some(Place::Compiler),

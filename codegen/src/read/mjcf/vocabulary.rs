@@ -1,4 +1,4 @@
-//! Elements and attributes that MuJoCo does not know. MuJoCo's schema rejects them.
+//! Reports elements and attributes that MuJoCo does not know. MuJoCo's schema rejects them.
 
 use super::Reader;
 use super::files::Element;
@@ -7,7 +7,7 @@ use crate::diagnostic::nearest;
 
 impl<'a> Reader<'_, 'a> {
     /// Reports elements and attributes that MuJoCo does not know. Without the report their values would be
-    /// ignored silently.
+    /// ignored without a message.
     pub(super) fn vocabulary(&mut self, sections: &[Element<'a>]) {
         let files = self.files;
         let mut stack: Vec<_> = sections.iter().rev().map(|section| (Place::Model, *section)).collect();

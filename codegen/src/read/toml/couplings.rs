@@ -1,4 +1,4 @@
-//! Joints that follow other joints, and drives of the key `[[drives]]`.
+//! Joints that follow other joints, and drives on several joints (`[[drives]]`).
 
 use super::forces::motor;
 use super::table::{Item, Table};
@@ -6,7 +6,7 @@ use super::values::Reader;
 use crate::description::{DriveDescription, FollowsDescription, SharedDriveDescription};
 use crate::diagnostic::At;
 
-/// Reads joint names with ratios: `{ shoulder = 1, elbow = -1 }`.
+/// Reads a table of joint names with ratios: `{ shoulder = 1, elbow = -1 }`.
 pub(crate) fn followed_joints(
     reader: &mut Reader,
     item: Item<'_>,
@@ -31,7 +31,7 @@ pub(crate) fn followed_joints(
     terms.into_iter().collect()
 }
 
-/// Reads the drives of the key `[[drives]]`.
+/// Reads the drives on several joints from the key `[[drives]]`.
 pub(crate) fn read_drives(reader: &mut Reader, top: &Table<'_>) -> Vec<SharedDriveDescription> {
     reader.all(top, "drives", read_drive)
 }

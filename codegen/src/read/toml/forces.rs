@@ -31,7 +31,7 @@ pub(crate) fn friction(reader: &mut Reader, item: Item<'_>, owner: &str) -> Opti
     Some(FrictionDescription { terms, load })
 }
 
-/// Friction per unit of load: a formula, or a weighted sum as identification writes it.
+/// Friction per unit of load: a formula, or a weighted sum of basis functions as identification writes it.
 fn load_share(reader: &mut Reader, item: Item<'_>, owner: &str) -> Vec<FrictionTerm> {
     match item.value {
         DeValue::Array(_) => weighted(reader, item, owner),
@@ -92,7 +92,8 @@ fn stribeck(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Friction
     Some(FrictionPart::Stribeck(parameters))
 }
 
-/// Pairs of basis and weight, as identification writes them: `[["v", 76.556], ["tanh(5*v)", 3.924]]`.
+/// Reads pairs of basis function and weight, as identification writes them:
+/// `[["v", 76.556], ["tanh(5*v)", 3.924]]`.
 fn weighted(reader: &mut Reader, item: Item<'_>, owner: &str) -> Vec<FrictionTerm> {
     let entries = item.array("a list of [basis, weight]", &mut reader.report).unwrap_or_default();
     let term = |(index, entry): (usize, Item<'_>)| {
@@ -121,7 +122,8 @@ pub(crate) fn springs(reader: &mut Reader, item: Item<'_>, owner: &str) -> Vec<F
     }
 }
 
-/// The force of a spring, `−c (y − rest) − d v`.
+/// The force of a spring, `−c (y − rest) − d v` with stiffness c and damping d at the position y and velocity
+/// v.
 fn spring(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Formula> {
     if item.value.is_str() {
         return reader.force_law(item);
@@ -148,7 +150,7 @@ fn spring(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Formula> {
     Some(Formula::difference(Formula::negation(elastic), damping))
 }
 
-/// Warns of negative stiffness, because it may be intended. Reports negative damping, because it would add
+/// Warns of negative stiffness, which may be intended. Reports an error for negative damping, which would add
 /// energy.
 fn check_signs(reader: &mut Reader, items: [Option<Item<'_>>; 2], factors: [&Formula; 2], joint: &str) {
     let [stiffness, damping] = factors.map(|factor| reader.at_defaults(factor));
@@ -217,7 +219,7 @@ pub(crate) fn motor(reader: &mut Reader, table: &Table<'_>, owner: &str) -> Driv
     }
 }
 
-/// Reads stall torque and no-load speed. A line needs both.
+/// Reads the line from stall torque to no-load speed of a motor. Both values are required.
 fn torque_speed_line(reader: &mut Reader, table: &Table<'_>) -> Option<At<TorqueSpeedLine>> {
     let keys @ [torque, speed] = ["stall_torque", "no_load_speed"].map(|key| table.get(key));
     let [stall_torque, no_load_speed] = keys.map(|item| item.and_then(|item| reader.number(item)));
@@ -246,8 +248,8 @@ fn coupling(reader: &mut Reader, item: Item<'_>) -> RotorCoupling {
     }
 }
 
-/// Warns of `carrier` or `axis` if the rotor only adds i² J_R to the diagonal of M, because both keys then
-/// have no effect.
+/// Warns of `carrier` or `axis` if the rotor only adds its inertia to the diagonal of the mass matrix,
+/// because both keys then have no effect.
 fn warn_of_unused_mounting(reader: &mut Reader, table: &Table<'_>, coupling: RotorCoupling) {
     let mounting = ["carrier", "axis"].into_iter().filter_map(|key| table.get(key));
     for item in mounting.filter(|_| coupling == RotorCoupling::Diagonal) {

@@ -46,7 +46,7 @@ fn read_point_force(reader: &mut Reader, table: &Table<'_>) -> Option<PointForce
     Some(PointForceDescription { name, between, law, input, stroke, speed })
 }
 
-/// Reads the shortest and the longest distance. Both must be greater than 0.
+/// Reads the shortest and the longest distance between two frames. Both must be greater than 0.
 fn stroke(reader: &mut Reader, item: Item<'_>) -> Option<At<[f64; 2]>> {
     let stroke = reader.numbers::<2>(item)?;
     let [shortest, longest] = stroke.value;

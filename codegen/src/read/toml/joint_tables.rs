@@ -9,28 +9,28 @@ use crate::description::{JointDescription, Name};
 use crate::diagnostic::{At, Report};
 use crate::read::composite::Composite;
 
-/// Keys for the place of a joint.
+/// Keys of a joint table for the pose of the joint.
 const PLACE: [&str; 5] = ["origin", "dh", "modified_dh", "axis", "pitch"];
 
-/// Keys that only a single velocity can have.
+/// Keys of a joint table that only one velocity of a joint with a quaternion can have.
 const SINGLE: [&str; 2] = ["follows", "offset"];
 
-/// The joints of a file.
+/// The joints of a file, and values for velocities of its floating base.
 #[derive(Debug, Default)]
 pub(crate) struct Joints {
     pub joints: Vec<JointDescription>,
-    /// Velocities of the base, if this file makes the base floating.
+    /// Values for velocities of the floating joint, if this file makes the base floating.
     pub velocities: Vec<JointDescription>,
 }
 
 /// Properties of the description that a file extends.
 #[derive(Debug, Default)]
 pub(crate) struct Extended {
-    /// Joints with quaternions, by name.
+    /// Joints with quaternions of the extended description, by name.
     pub quaternions: Vec<(String, Composite)>,
     /// Name of the floating joint that the base gets if it is made floating.
     pub base_joint: String,
-    /// Whether an option makes the base floating.
+    /// Whether an option makes the base of the extended description floating.
     pub is_to_float: bool,
 }
 
@@ -88,13 +88,13 @@ fn standing(tables: &[Table<'_>], frees: bool, extended: Option<Extended>) -> Ve
     standing
 }
 
-/// Whether a table describes a new joint.
+/// Whether a table has keys for a pose, and so describes a new joint.
 fn has_place(table: &Table<'_>) -> bool {
     ["parent", "child", "type"].iter().any(|key| table.get(key).is_some())
 }
 
-/// Sets the defaults of a chain: each joint moves a link with the joint's name, and the link of the previous
-/// joint carries it.
+/// Sets the default links of a joint in a chain: the joint moves a link with the joint's name, and the link
+/// of the previous joint carries it.
 fn chain(joint: &mut JointDescription, before: Option<&JointDescription>, base: Option<&Name>) {
     let at = joint.name.span;
     let previous = before.and_then(|joint| joint.child.clone()).map(|link| At::new(link.value, at));
@@ -103,7 +103,8 @@ fn chain(joint: &mut JointDescription, before: Option<&JointDescription>, base: 
     joint.complete();
 }
 
-/// The velocities that a table describes; `None` if it describes a new joint.
+/// The velocities of an existing joint with a quaternion that a table describes; `None` if the table
+/// describes a new joint.
 ///
 /// - `standing`: the existing joints with quaternions
 fn velocities_of(
@@ -127,12 +128,12 @@ fn velocities_of(
     Some(vec![single_joint(reader, table, name, None)])
 }
 
-/// Whether a table has this name.
+/// Whether the table has the key `name` with this value.
 fn is_called(table: &Table<'_>, name: &str) -> bool {
     table.get("name").is_some_and(|item| item.value.as_str() == Some(name))
 }
 
-/// Returns the velocities of a joint for which the table has values.
+/// Returns the velocities of a joint with a quaternion for which its table has values.
 fn whole(reader: &mut Reader, table: &Table<'_>, name: &Name, composite: Composite) -> Vec<JointDescription> {
     refuse(reader, table, &PLACE, &name.value, composite);
     refuse(reader, table, &SINGLE, &name.value, composite);
@@ -159,7 +160,7 @@ fn refuse(reader: &mut Reader, table: &Table<'_>, keys: &[&str], joint: &str, co
     }
 }
 
-/// Adds the keys of a velocity. A second table for the velocity is an error.
+/// Adds the values for a velocity to a list. A second table for the velocity is an error.
 fn add(velocity: JointDescription, velocities: &mut Vec<JointDescription>, report: &mut Report) {
     if velocities.iter().any(|known| known.name.value == velocity.name.value) {
         let message = format!("velocity `{}` is described twice", velocity.name.value);

@@ -13,13 +13,13 @@ use crate::model::{JointKind, Pose, QuaternionKind};
 use crate::read::composite::{self, Composite, Part, Place};
 use gelenk_formula::Formula;
 
-/// Type of a joint in the description.
+/// Type of a joint in a TOML description.
 enum JointType {
     Single(JointKind),
     Composite(Composite),
 }
 
-/// Reads the joint of a table, or the chain of joints of a composite joint.
+/// Reads the joint of a table. A joint with several degrees of freedom becomes a chain of joints.
 pub(crate) fn read_joint(reader: &mut Reader, table: &Table<'_>) -> Vec<JointDescription> {
     let Some(name) = reader.name_of(table, "name") else {
         return Vec::new();
@@ -84,7 +84,7 @@ pub(crate) fn forces<'t>(
     }
 }
 
-/// Reads whether a joint's motion is prescribed.
+/// Reads whether a joint's motion is prescribed, so that the joint is driven.
 fn read_motion(reader: &mut Reader, item: Item<'_>) -> Option<At<bool>> {
     let driven = item.word(&mut reader.report)? == "driven";
     Some(At::new(driven, item.span))
@@ -137,17 +137,17 @@ fn refuse_pitch(reader: &mut Reader, table: &Table<'_>, kind: Option<JointKind>)
     reader.report.help("only helical joints have a pitch: give the joint this type, or remove `pitch`");
 }
 
-/// Values of a table that may be given for each part of a joint.
+/// Values of a joint's table that may be given for each part of a joint with several degrees of freedom.
 pub(crate) fn by_part<'t>(table: &Table<'t>) -> impl Iterator<Item = Item<'t>> {
     table.items().iter().copied().filter(|item| matches!(item.row.value, Value::ByPart(_)))
 }
 
-/// Whether a value is one word for all parts.
+/// Whether a value is one word that applies to all parts of a joint with several degrees of freedom.
 fn is_for_all_parts(item: &Item<'_>) -> bool {
     item.value.is_str() && !item.row.value.words().is_empty()
 }
 
-/// Reads the chain of joints of a composite joint.
+/// Reads a joint with several degrees of freedom as a chain of joints.
 fn read_composite(
     reader: &mut Reader,
     table: &Table<'_>,
@@ -168,7 +168,8 @@ fn read_composite(
     })
 }
 
-/// Value of a key for one part of a joint; `None` without a value for this part.
+/// Value of a key for one part of a joint with several degrees of freedom; `None` without a value for this
+/// part.
 pub(crate) fn of_part<'t>(
     table: &Table<'t>,
     composite: Composite,
@@ -195,7 +196,7 @@ pub(crate) fn check_all_parts(reader: &mut Reader, table: &Table<'_>, name: &Nam
     }
 }
 
-/// Reports a value that is not given for each part.
+/// Reports a value that is not given for each part of a joint with several degrees of freedom.
 fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Composite) {
     let kind = composite.name();
     let help = || {
@@ -275,7 +276,8 @@ fn refuse_in_composites(reader: &mut Reader, table: &Table<'_>, composite: Compo
     }
 }
 
-/// Origin of the joint. For a standard DH row, also the frame of the link after the joint.
+/// Pose of the joint's frame. For a standard Denavit–Hartenberg row, also the frame of the link after the
+/// joint.
 fn placement(reader: &mut Reader, table: &Table<'_>, owner: &str) -> (Option<Pose>, Option<Pose>) {
     let given: Vec<Item<'_>> =
         ["origin", "dh", "modified_dh"].iter().filter_map(|key| table.get(key)).collect();

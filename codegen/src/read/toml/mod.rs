@@ -32,7 +32,7 @@ pub(super) struct Preamble {
     pub snap_angles: Option<f64>,
     pub ignore_mimic: bool,
     pub no_friction: bool,
-    /// Joints that are held.
+    /// Patterns of joints that are held, with their positions.
     pub held: Vec<At<Hold>>,
     /// Name of a body of an extended MJCF. The robot is the kinematic tree that contains this body.
     pub body: Option<Name>,
@@ -116,7 +116,7 @@ fn syntax_help(message: &str, text: &str, at: usize) -> Option<String> {
     }
 }
 
-/// Top-level table. Unknown keys are reported.
+/// Opens the top-level table of a description. Unknown keys are reported.
 pub(super) fn open<'t>(
     reader: &mut Reader,
     table: &'t toml::Spanned<DeTable<'t>>,
@@ -142,7 +142,7 @@ pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
     Preamble { extends, snap_angles, ignore_mimic, no_friction, held, body }
 }
 
-/// Reads `held = { "finger_*" = 0 }`.
+/// Reads a table of held joints, for example `held = { "finger_*" = 0 }`.
 fn read_held(reader: &mut Reader, item: Item<'_>) -> Vec<At<Hold>> {
     let Some(joints) = item.named() else {
         item.expected("a table of joints with their positions", &mut reader.report);
@@ -155,7 +155,8 @@ fn read_held(reader: &mut Reader, item: Item<'_>) -> Vec<At<Hold>> {
     joints.into_iter().filter_map(hold).collect()
 }
 
-/// Largest tolerance for snapping (rad). A larger one would change angles that are intended.
+/// Largest tolerance for rounding angles to multiples of 90° (rad). A larger one would change angles that are
+/// intended.
 const WIDEST_SNAP: f64 = 0.1;
 
 fn snap_tolerance(reader: &mut Reader, item: Item<'_>) -> Option<f64> {
@@ -169,7 +170,7 @@ fn snap_tolerance(reader: &mut Reader, item: Item<'_>) -> Option<f64> {
     None
 }
 
-/// Reads all other keys of the file.
+/// Reads all keys of the file except those of the preamble.
 ///
 /// - `extended`: properties of the base description; `None` without a base description
 pub(super) fn description(
@@ -221,7 +222,7 @@ pub(super) fn description(
     }
 }
 
-/// The base link, and the place of the key that makes the base floating.
+/// Reads the name of the base link, and the place of the key that makes the base floating.
 fn read_base(reader: &mut Reader, item: Item<'_>) -> (Option<Name>, Option<Span>) {
     if item.value.is_str() {
         return (reader.name(item), None);
@@ -305,8 +306,8 @@ fn function_names(reader: &mut Reader, item: Item<'_>) -> Vec<String> {
     functions.into_iter().map(|name| name.value).collect()
 }
 
-/// Largest number of Runge–Kutta steps in one period. A robot that needs more steps is stiff and needs a
-/// shorter period.
+/// Largest number of Runge–Kutta steps in one sample time. A robot that needs more steps is stiff and needs a
+/// shorter sample time.
 const MOST_SUBSTEPS: usize = 1000;
 
 fn substeps(reader: &mut Reader, item: Item<'_>) -> Option<usize> {

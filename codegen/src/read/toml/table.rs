@@ -1,4 +1,5 @@
-//! TOML tables with places. Unknown keys are reported, and each value is read as the requested type.
+//! TOML tables with the places of keys and values. Unknown keys are reported, and each value is read as the
+//! requested type.
 
 use super::keys::{Key, Keys, advice};
 use crate::diagnostic::{Report, Span, nearest};
@@ -9,29 +10,30 @@ use toml::de::{DeTable, DeValue};
 #[derive(Debug)]
 pub(crate) struct Table<'t> {
     entries: Vec<Item<'t>>,
-    /// Place of the table.
+    /// Place of the table in the text.
     pub span: Span,
-    /// Keys that the table may have.
+    /// All keys that the table may have.
     pub keys: &'static Keys,
 }
 
-/// A key with its value.
+/// A key of a table with its value.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Item<'t> {
-    /// Name of the key. An entry of an array has the key of the array.
+    /// Name of the key. An entry of an array has the name of the array's key.
     pub key: &'t str,
-    /// Place of the key.
+    /// Place of the key in the text.
     pub key_span: Span,
-    /// The value.
+    /// The value as TOML data.
     pub value: &'t DeValue<'t>,
-    /// Place of the value.
+    /// Place of the value in the text.
     pub span: Span,
-    /// Row of the key. For a key that the user chose, the row of the enclosing table.
+    /// Allowed values and meaning of the key. For a key that the user chose, those of the enclosing table.
     pub row: &'static Key,
 }
 
 impl<'t> Table<'t> {
-    /// The entries of a table in the order of the file. Unknown keys and missing required keys are reported.
+    /// Checks the entries of a table and keeps them in the order of the file. Unknown keys and missing
+    /// required keys are reported.
     pub fn checked(table: &'t DeTable<'t>, span: Span, keys: &'static Keys, report: &mut Report) -> Self {
         let mut entries = Vec::new();
         for (key, value) in in_order(table) {
@@ -54,7 +56,7 @@ impl<'t> Table<'t> {
         self.entries.iter().find(|item| item.key == key).copied()
     }
 
-    /// All keys with their values.
+    /// All keys of the table with their values, in the order of the file.
     pub fn items(&self) -> &[Item<'t>] {
         &self.entries
     }
@@ -143,7 +145,7 @@ impl<'t> Item<'t> {
         Some(array.iter().map(item).collect())
     }
 
-    /// The value as a table with the keys of its row. After an error the result is `None`.
+    /// The value as a table with the keys that are allowed for it. After an error the result is `None`.
     pub fn table(&self, report: &mut Report) -> Option<Table<'t>> {
         let Some(keys) = self.row.value.keys() else {
             self.expected(&self.row.value.kinds(), report);
@@ -170,7 +172,7 @@ impl<'t> Item<'t> {
         items.iter().filter_map(|item| item.table(report)).collect()
     }
 
-    /// Entries of a table whose keys the user chose; `None` if the value is not a table.
+    /// Entries of a table whose keys the user chooses; `None` if the value is not a table.
     pub fn named(&self) -> Option<Vec<Self>> {
         let entries = in_order(self.value.as_table()?).into_iter();
         Some(entries.map(|(key, value)| item(key, value, self.span.source, self.row)).collect())

@@ -20,18 +20,18 @@ use toml::de::DeValue;
 pub(crate) struct Reader {
     pub report: Report,
     pub angles: Angles,
-    /// Free parameters that were read so far.
+    /// Free parameters that the reader has found so far.
     pub parameters: Vec<At<Parameter>>,
-    /// Indices of the parameters by the names in formulas. These names may differ from the names of the
-    /// generated fields.
+    /// Indices of the free parameters by their names in formulas. These names may differ from the names of
+    /// the generated fields.
     pub parameter_names: BTreeMap<String, usize>,
-    /// Indices of the parameters of `[parameters]` that no formula has used so far.
+    /// Indices of the free parameters of `[parameters]` that no formula has used so far.
     pub unused: BTreeSet<usize>,
-    /// Indices of the parameters by the names of the generated fields.
+    /// Indices of the free parameters by the names of the generated fields.
     fields: BTreeMap<String, usize>,
 }
 
-/// Largest difference of the length of axes and quaternions from 1 (seven written digits).
+/// Largest accepted difference of the length of axes and quaternions from 1 (seven written digits).
 const UNIT: f64 = 1e-6;
 
 /// Keys of Denavit–Hartenberg rows to which the coordinate is added, with help texts.
@@ -48,15 +48,14 @@ const OFFSETS: [(&str, &str); 2] = [
 ];
 
 impl Reader {
-    /// A reader at the beginning of a description.
+    /// Creates a reader before the first key of a description is read.
     pub fn new(options: &ReadOptions) -> Self {
         let mut reader = Self::default();
         reader.angles.snap = options.snap_angles;
         reader
     }
 
-    /// A finite number, or a formula without parameters. It must be positive if the row of its key requires
-    /// this.
+    /// Reads a finite number, or a formula without parameters. It must be positive if its key requires this.
     pub fn number(&mut self, item: Item<'_>) -> Option<At<f64>> {
         let formula = self.scalar(item, Allowed::Constants)?;
         let number = formula.as_number()?;
@@ -78,7 +77,7 @@ impl Reader {
         }
     }
 
-    /// Value of a formula with the parameter values of the description.
+    /// Value of a formula with the parameter values that the description gives.
     pub fn at_defaults(&self, formula: &Formula) -> f64 {
         let defaults = self.parameters.iter().map(|parameter| parameter.value.default);
         formula.evaluate(&defaults.collect::<Vec<f64>>(), 0.0, 0.0)
@@ -165,14 +164,14 @@ impl Reader {
         self.add_parameter(name, default.value, &table)
     }
 
-    /// Adds a parameter after a check of its name. `table` may have its unit and description.
+    /// Adds a free parameter after a check of its name. `table` may have its unit and description.
     pub fn add_parameter(&mut self, name: Name, default: f64, table: &Table<'_>) -> Option<Formula> {
         let unit = self.one_line(table, "unit");
         let description = self.one_line(table, "description");
         self.push_parameter(name, default, unit, description)
     }
 
-    /// Adds a parameter after a check of its name.
+    /// Adds a free parameter after a check of its name.
     pub fn push_parameter(
         &mut self,
         name: Name,
@@ -211,7 +210,7 @@ impl Reader {
         text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
     }
 
-    /// A name: non-empty text without control characters.
+    /// Reads a name: non-empty text without control characters.
     pub fn name(&mut self, item: Item<'_>) -> Option<Name> {
         let text = item.text(&mut self.report)?;
         if text.is_empty() || text.chars().any(char::is_control) {
@@ -236,12 +235,12 @@ impl Reader {
         tables.iter().filter_map(|table| read(self, table)).collect()
     }
 
-    /// Name that is the value of a key; `None` without the key.
+    /// Reads the name that is the value of a key; `None` without the key.
     pub fn name_of(&mut self, table: &Table<'_>, key: &str) -> Option<Name> {
         table.get(key).and_then(|item| self.name(item))
     }
 
-    /// A list of `N` formulas. A wrong formula is reported and becomes 0.
+    /// Reads a list of `N` formulas. A wrong formula is reported and becomes 0.
     pub fn formulas<const N: usize>(&mut self, item: Item<'_>, owner: &str) -> Option<[Formula; N]> {
         let entries = self.entries::<N>(item)?;
         let label = |index: usize| ["x", "y", "z"].get(index).copied().unwrap_or("");
@@ -258,7 +257,7 @@ impl Reader {
         Some(result)
     }
 
-    /// A list of `N` numbers.
+    /// Reads a list of `N` numbers.
     pub fn numbers<const N: usize>(&mut self, item: Item<'_>) -> Option<At<[f64; N]>> {
         let entries = self.entries::<N>(item)?;
         let numbers: Vec<Option<At<f64>>> = entries.into_iter().map(|entry| self.number(entry)).collect();
@@ -281,7 +280,7 @@ impl Reader {
         None
     }
 
-    /// A unit vector. Other lengths are reported.
+    /// Reads a unit vector. Other lengths are reported.
     pub fn axis(&mut self, item: Item<'_>) -> Option<[f64; 3]> {
         let axis = self.numbers::<3>(item)?.value;
         let length = norm(&axis);
@@ -299,7 +298,7 @@ impl Reader {
         None
     }
 
-    /// A pose: `{ xyz, rpy }` or `{ xyz, quaternion = { w, x, y, z } }`.
+    /// Reads a pose: `{ xyz, rpy }` or `{ xyz, quaternion = { w, x, y, z } }`.
     pub fn pose(&mut self, item: Item<'_>, owner: &str) -> Option<Pose> {
         let table = item.table(&mut self.report)?;
         let xyz = table.get("xyz").and_then(|xyz| self.formulas::<3>(xyz, owner));
@@ -343,7 +342,7 @@ impl Reader {
     }
 }
 
-/// Parts of a pose that the table of the pose leaves out.
+/// Parts of a pose (translation, rotation) that its table leaves out.
 pub(crate) fn unsaid(item: Option<Item<'_>>) -> Unsaid {
     let lacks = |keys: &[&str]| {
         let table = item.and_then(|item| item.value.as_table());
@@ -352,13 +351,13 @@ pub(crate) fn unsaid(item: Option<Item<'_>>) -> Unsaid {
     Unsaid { translation: lacks(&["xyz"]), rotation: lacks(&["rpy", "quaternion"]) }
 }
 
-/// A length that is not 1, with enough digits to show the difference.
+/// Text of a length that is not 1, with enough digits to show the difference.
 fn not_one(length: f64) -> String {
     let [length] = telling([length], |[length]| length != 1.0);
     length
 }
 
-/// Numbers as a list in the syntax of descriptions.
+/// Numbers as a comma-separated list in the syntax of descriptions.
 pub(crate) fn join(numbers: &[f64]) -> String {
     numbers.iter().map(|&number| as_written(number)).collect::<Vec<_>>().join(", ")
 }

@@ -1,11 +1,11 @@
 //! Extensions of URDF by other tools that change the dynamics, with their equivalents in TOML.
 
-/// An effect on the dynamics that is not read from a URDF.
+/// An effect on the dynamics that other tools read from a URDF, but gelenk does not.
 #[derive(Debug)]
 struct Effect {
-    /// Tags and attributes in small letters, without prefix and underscores.
+    /// Tags and attributes that have the effect, in small letters, without prefix and underscores.
     words: &'static [&'static str],
-    /// Values of these tags and attributes that have no effect.
+    /// Values of the tags and attributes for which they have no effect.
     idle: &'static [&'static str],
     text: &'static str,
 }
@@ -83,7 +83,7 @@ const EFFECTS: [Effect; 10] = [
     },
 ];
 
-/// Names for the inertia of a rotor, or for its reflected inertia on the diagonal of M.
+/// Names for the inertia of a rotor, or for its reflected inertia on the diagonal of the mass matrix.
 pub(super) const ROTORS: [&str; 4] = ["rotorinertia", "motorinertia", "armature", "reflectedinertia"];
 
 /// Elements in which stiffness and damping are properties of contacts.
@@ -95,7 +95,8 @@ pub(super) fn plain(word: &str) -> String {
     word.chars().filter(|c| *c != '_').flat_map(char::to_lowercase).collect()
 }
 
-/// Note about the effect of a name with this value.
+/// Note about the effect that a tag or attribute with this value has in other tools; `None` without an
+/// effect.
 pub(super) fn effect(word: &str, value: &str) -> Option<&'static str> {
     let word = plain(word);
     let found = EFFECTS.iter().find(|effect| effect.words.contains(&word.as_str()))?;

@@ -9,12 +9,12 @@ use crate::model::JointKind;
 use crate::read::skipped::Remark;
 use gelenk_formula::LARGEST_NUMBER;
 
-/// A limit as the file gives it.
+/// A limit of position, speed or force as the file gives it.
 enum Limit<T> {
     Given(At<T>),
     /// The limit is absent, 0 or infinite.
     Unset,
-    /// The limit is reversed or negative.
+    /// Position limits are reversed or equal, or another limit is negative.
     Unusable,
     /// The limit is not a number. An error was already reported.
     Broken,
@@ -87,7 +87,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads the position limits. An absent bound is 0.
+    /// Reads the position limits of a joint. An absent bound is 0.
     fn position_limits(&mut self, node: XmlNode<'_>) -> Limit<[f64; 2]> {
         let bounds = ["lower", "upper"].map(|key| self.bound(node, key));
         let [Ok(lower), Ok(upper)] = bounds else {
@@ -114,7 +114,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads a number. It becomes infinite if it is above the limit for numbers of descriptions.
+    /// Reads a number of a limit. It becomes infinite if it exceeds the largest number of descriptions.
     fn bound(&mut self, node: XmlNode<'_>, key: &str) -> Result<Option<At<f64>>, NotANumber> {
         let Some(attribute) = of_any_tool(node, key) else {
             return Ok(None);
@@ -129,5 +129,5 @@ impl Reader<'_> {
     }
 }
 
-/// The attribute is not a number. An error was already reported.
+/// Error of an attribute that is not a number. It was already reported.
 struct NotANumber;

@@ -1,6 +1,7 @@
 //! Reader of URDF. It makes a [`RobotDescription`].
 //!
-//! Published files are accepted completely. Elements that do not affect the dynamics are skipped with a note.
+//! Published files are accepted with all their elements. Elements that do not affect the dynamics are skipped
+//! with a note.
 
 mod foreign;
 mod limits;
@@ -34,7 +35,7 @@ use std::path::Path;
 /// Largest rounding error of the length of a published axis, which has about six digits.
 const WRITTEN_DIGITS: f64 = 1e-5;
 
-/// Reads a URDF; `None` if the text is not XML or has no robot.
+/// Reads a URDF; `None` if the text is not XML or contains no robot.
 pub(super) fn description(
     report: &mut Report,
     angles: &mut Angles,
@@ -107,13 +108,13 @@ struct Reader<'r> {
     pub(super) source: usize,
     options: ReadOptions,
     pub(super) notes: Notes,
-    /// Rotors of transmissions and attributes that are not assigned to joints yet.
+    /// Rotors from transmissions and attributes that are not assigned to joints yet.
     pub(super) rotors: Vec<SkippedRotor>,
 }
 
 type XmlNode<'a> = Node<'a, 'a>;
 
-/// Tags of the shape of a link.
+/// Tags of the elements that give the shape of a link.
 const SHAPES: [&str; 2] = ["visual", "collision"];
 
 impl Reader<'_> {
@@ -160,7 +161,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The body of a link; `None` if mass and inertia are zero.
+    /// Mass and inertia of a link; `None` if both are zero.
     fn inertial(&mut self, node: XmlNode<'_>, name: Name) -> Option<BodyDescription> {
         self.known_children(node, &["origin", "mass", "inertia"]);
         let mass = self.single(node, "mass", &name.quoted());
@@ -397,7 +398,7 @@ impl Reader<'_> {
         Some(axis.value.map(|x| x / length))
     }
 
-    /// Friction `τ = damping · v + friction · sign(v)`.
+    /// Friction `τ = damping · v + friction · sign(v)` of a joint with the velocity v.
     fn friction(&mut self, node: XmlNode<'_>, name: &Name) -> Vec<FrictionTerm> {
         if self.options.no_friction {
             return Vec::new();
@@ -409,7 +410,7 @@ impl Reader<'_> {
             .collect()
     }
 
-    /// The coefficient of a friction law; `None` if it is 0.
+    /// The coefficient that an attribute of a friction law gives; `None` if it is 0.
     fn friction_coefficient(&mut self, node: XmlNode<'_>, key: &str, name: &Name) -> Option<Formula> {
         let number = self.number(node, key)?;
         if number.value < 0.0 {
@@ -434,7 +435,7 @@ fn composite_of(joint: XmlNode<'_>) -> Option<Composite> {
     }
 }
 
-/// Frames: links without mass on fixed joints, for example tool0.
+/// Frames that links without mass on fixed joints define, for example tool0.
 fn massless_frames(robot: &RobotDescription) -> Vec<FrameDescription> {
     let with_mass: Vec<&str> = robot.bodies.iter().map(|body| body.link.value.as_str()).collect();
     let with_mass: std::collections::BTreeSet<&str> = with_mass.into_iter().collect();

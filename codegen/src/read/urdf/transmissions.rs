@@ -13,16 +13,16 @@ use roxmltree::Node;
 /// Tags of a gear ratio in transmissions of ROS and ROS 2.
 const REDUCTIONS: [&str; 1] = ["mechanicalreduction"];
 
-/// Tags of a gear ratio in Drake.
+/// Tags of a gear ratio in transmissions of Drake.
 const RATIO: [&str; 1] = ["gearratio"];
 
-/// Elements inside an element that have one of these tags.
+/// Elements inside an element at any depth that have one of these tags.
 fn inner<'a>(node: XmlNode<'a>, words: &'a [&str]) -> impl Iterator<Item = XmlNode<'a>> {
     let is_meant = |node: &XmlNode<'_>| words.contains(&plain(node.tag_name().name()).as_str());
     node.descendants().filter(Node::is_element).filter(is_meant)
 }
 
-/// The numbers in these elements, without consecutive repetitions.
+/// The numbers in these elements. A number that equals the previous one is left out.
 fn numbers<'a>(nodes: impl Iterator<Item = XmlNode<'a>>) -> Vec<f64> {
     let mut numbers: Vec<f64> = nodes.filter_map(|node| value_of(node).parse().ok()).collect();
     numbers.dedup();
@@ -42,7 +42,7 @@ fn joint_of<'a>(reduction: XmlNode<'a>) -> Option<&'a str> {
     })
 }
 
-/// Gear ratios that a rotor may have. Without a value, Drake's gear ratio is 1.
+/// Gear ratios that may belong to a rotor. Without a value, Drake's gear ratio is 1.
 fn ratios(transmission: XmlNode<'_>, rotor: XmlNode<'_>) -> Vec<f64> {
     let own = rotor.parent_element().map_or(Vec::new(), |actuator| numbers(inner(actuator, &RATIO)));
     let found = if own.is_empty() { numbers(inner(transmission, &REDUCTIONS)) } else { own };
@@ -88,7 +88,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Assigns rotors to their joints. Other rotors are kept for a warning that uses M.
+    /// Assigns rotors to their joints. Other rotors are kept for a warning that needs the mass matrix.
     pub(super) fn place_rotors(&mut self, robot: &mut RobotDescription) {
         for rotor in std::mem::take(&mut self.rotors) {
             let Some((name, added)) = rotor.place() else {

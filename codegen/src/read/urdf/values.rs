@@ -8,7 +8,7 @@ use crate::diagnostic::{At, Span};
 use gelenk_formula::{LARGEST_NUMBER, too_large};
 use roxmltree::{Attribute, Node};
 
-/// An attribute by its name, also with the prefix of a tool, for example `drake:acceleration`.
+/// An attribute by its name, with or without the prefix of a tool, for example `drake:acceleration`.
 pub(super) fn of_any_tool<'a>(node: XmlNode<'a>, key: &str) -> Option<Attribute<'a, 'a>> {
     let mut attributes = node.attributes();
     let prefixed = |name: &str| name.rsplit('.').next() == Some(key);

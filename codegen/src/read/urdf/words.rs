@@ -8,7 +8,7 @@ use crate::read::skipped::Remark;
 use crate::wording::as_written;
 use roxmltree::Node;
 
-/// Attributes of the elements that are read.
+/// Attributes that the elements of a URDF may have.
 const ATTRIBUTES: [(&str, &[&str]); 10] = [
     ("origin", &["xyz", "rpy", "quat_xyzw"]),
     ("mass", &["value"]),
@@ -94,7 +94,7 @@ impl Reader<'_> {
     }
 }
 
-/// The word that was probably meant, in brackets; empty without a similar word.
+/// The known word that was probably meant, in brackets; empty without a similar word.
 fn meant<'k>(word: &str, known: impl Iterator<Item = &'k str>) -> String {
     let help = nearest(word, known).filter(|help| help.starts_with("did you mean"));
     help.map_or(String::new(), |help| format!(" ({help})"))
@@ -105,12 +105,12 @@ pub(super) fn value_of<'a>(node: XmlNode<'a>) -> &'a str {
     node.attribute("value").or_else(|| node.text()).unwrap_or("").trim()
 }
 
-/// Name of the element that owns this element.
+/// Name of the element that encloses this element.
 fn owner(node: XmlNode<'_>) -> Option<&str> {
     node.ancestors().find_map(|node| node.attribute("reference").or_else(|| node.attribute("name")))
 }
 
-/// Whether a `<mimic>` of some joint names the same leader as a plugin.
+/// Whether a `<mimic>` of some joint names the same leading joint as a plugin.
 fn is_coupled(node: XmlNode<'_>, leader: &str) -> bool {
     let mut mimics = node.document().descendants().filter(|node| node.has_tag_name("mimic"));
     mimics.any(|mimic| mimic.attribute("joint") == Some(leader))

@@ -7,7 +7,7 @@ use roxmltree::Node;
 use crate::diagnostic::{Report, Span};
 use crate::wording::quoted;
 
-/// Elements whose texts name files and plugins. An expression `$(find …)` in them does not affect the
+/// Tags of elements whose texts name files and plugins. An expression `$(find …)` in them does not affect the
 /// dynamics.
 const LOOKS: [&str; 5] = ["visual", "collision", "material", "gazebo", "transmission"];
 

@@ -4,14 +4,14 @@ use super::column::{Column, Disturbance, Disturbed};
 use crate::graph::Scalar;
 use crate::spatial::{Force, Motion, Vector3};
 
-/// A body in the frame of its tree's root. Vectors are in the axes of the root's working frame. Moments and
-/// accelerations refer to the origin of that frame. Velocities are relative to the base.
+/// A body in the frame of its tree's first body. Moments and accelerations refer to the origin of that frame.
+/// Velocities are relative to the base.
 #[derive(Clone, Copy)]
 pub(super) struct BaseBody<'g> {
     pub(super) axes: [Vector3<Scalar<'g>>; 3],
     pub(super) origin: Vector3<Scalar<'g>>,
     pub(super) twice_velocity: Vector3<Scalar<'g>>,
-    /// Motion of the point at the frame's origin for a unit of the joint's velocity.
+    /// Motion of the point at the origin of the tree's frame for a unit of the joint's velocity.
     pub(super) screw: Motion<'g>,
     pub(super) disturbance: Disturbance<'g>,
 }
@@ -21,8 +21,8 @@ impl<'g> BaseBody<'g> {
         self.axes[0].scaled(v[0]) + self.axes[1].scaled(v[1]) + self.axes[2].scaled(v[2])
     }
 
-    /// Transforms a disturbance of the body (δω, β and δa, which [`super`] defines) to the root's frame. Its
-    /// acceleration is then that of the point at this frame's origin.
+    /// Transforms changes δω, β = δω̇ + ω × δω and δa of the body's motion to the frame of the tree's first
+    /// body. δa is then the change of the acceleration of the point at this frame's origin.
     pub(super) fn disturbed(&self, local: &Disturbed<'g>) -> Disturbed<'g> {
         let (omega, beta) = (self.direction(local.omega), self.direction(local.beta));
         let at_origin =

@@ -1,22 +1,23 @@
-//! Columns of the derivatives, and the disturbances of bodies that cause them. The symbols δω, β and δa are
-//! defined in [`super`].
+//! Columns of the derivatives of the inverse dynamics, and the changes of bodies' motions that cause them.
+//! The symbols δω, β and δa of these changes are defined in [`super`].
 
 use crate::graph::Scalar;
 use crate::kinematics::Mechanism;
 use crate::spatial::{Force, Vector3};
 
-/// A column of the derivatives on its path to the base. It consists of three wrenches and of the sensitivity
-/// of the column's joint force to disturbances of the current body.
+/// A column of the derivatives on its path to the base. Contains three wrenches, and the sensitivity of the
+/// column's joint force to changes of the current body's motion.
 #[derive(Clone, Copy)]
 pub(super) struct Column<'g> {
     /// Derivative of the wrench with respect to the joint's acceleration. Its components are also the
-    /// sensitivity of the joint's force to δa and β.
+    /// sensitivity of the joint's force to changes of the body's motion: δa of the linear acceleration, and β
+    /// = δω̇ + ω × δω.
     pub(super) inertial: Force<'g>,
     /// Derivative of the wrench with respect to the joint's velocity.
     pub(super) damping: Force<'g>,
     /// Derivative of the wrench with respect to the joint's coordinate.
     pub(super) stiffness: Force<'g>,
-    /// Sensitivity of the joint's force to δω.
+    /// Sensitivity of the joint's force to a change of the body's angular velocity.
     pub(super) by_omega: Vector3<Scalar<'g>>,
 }
 
@@ -28,8 +29,7 @@ impl<'g> Column<'g> {
     }
 }
 
-/// Disturbances of a body (δω, β and δa) for a unit of its joint's coordinate, and for a unit of its joint's
-/// velocity.
+/// Changes of a body's motion for a unit of its joint's coordinate, and for a unit of its joint's velocity.
 #[derive(Clone, Copy)]
 pub(super) struct Disturbance<'g> {
     pub(super) by_coordinate: Disturbed<'g>,
@@ -44,7 +44,8 @@ pub(super) struct Disturbed<'g> {
 }
 
 impl<'g> Disturbed<'g> {
-    /// Creates the disturbance from δω, β and δa.
+    /// Creates the changes of a body's motion from δω, β = δω̇ + ω × δω and the change of the origin's
+    /// acceleration.
     pub(super) fn of([omega, beta, acceleration]: [Vector3<Scalar<'g>>; 3]) -> Self {
         Self { omega, beta, acceleration }
     }

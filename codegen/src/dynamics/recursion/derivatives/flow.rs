@@ -1,5 +1,5 @@
-//! Velocity-dependent moments 2P and 2K of composite bodies, and the levers for their transformation. 2P and
-//! 2K are defined in [`super`].
+//! Moments 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm of a body with all bodies beyond it, and the levers for their
+//! transformation.
 
 use super::column::Disturbed;
 use crate::dynamics::recursion::composite::Composite;
@@ -10,7 +10,8 @@ use crate::graph::Scalar;
 use crate::kinematics::{Body, JointAxis, Mechanism};
 use crate::spatial::{Force, MassMoments, Matrix3, Vector3};
 
-/// Moments of mass of a composite body, with the velocity-dependent moments 2P (`momentum`) and 2K (`spin`).
+/// Moments of mass of a body with all bodies beyond it, and the moments of its velocities: 2 ∫ ṙ dm
+/// (`momentum`) and 2 ∫ ṙ rᵀ dm (`spin`).
 #[derive(Clone, Copy)]
 pub(super) struct Flow<'g> {
     pub(super) composite: Composite<'g>,
@@ -18,8 +19,8 @@ pub(super) struct Flow<'g> {
     pub(super) spin: Matrix3<'g>,
 }
 
-/// Lever of a joint along z in the body's frame, and twice the velocities of two levers: the lever along z in
-/// the body's frame, and the lever from the parent's origin to the joint's axis in the parent's frame.
+/// Lever of a joint along z in the body's frame, and twice the velocities of two levers. These are the lever
+/// along z, and the lever from the parent's origin to the joint's axis in the parent's frame.
 #[derive(Clone, Copy)]
 pub(super) struct Lever<'g> {
     pub(super) along: Scalar<'g>,
@@ -62,14 +63,14 @@ pub(super) fn levers<'g>(
     mechanism.bodies.iter().enumerate().map(lever).collect()
 }
 
-/// Vector `2 ω × z`.
+/// Vector `2 ω × z` with the unit vector z.
 pub(super) fn twice_across(omega: Vector3<Scalar<'_>>) -> Vector3<Scalar<'_>> {
     Vector3([omega[1] * 2.0, -(omega[0] * 2.0), omega[2].constant(0.0)])
 }
 
 impl<'g> Flow<'g> {
-    /// Force, and moment about the origin, that a disturbance of the body (δω, β and δa, which [`super`]
-    /// defines) requires.
+    /// Force, and moment about the origin, that a change of the body's motion requires. The change consists
+    /// of δω, β = δω̇ + ω × δω and the change of the origin's acceleration.
     pub(super) fn response(&self, disturbed: &Disturbed<'g>) -> Force<'g> {
         let Disturbed { omega, beta, acceleration } = *disturbed;
         let moments = self.composite.moments;
@@ -82,8 +83,8 @@ impl<'g> Flow<'g> {
     }
 }
 
-/// Transforms 2P and 2K to another point, from which the old point has the position `lever`. `velocity` is
-/// twice the rate of the lever.
+/// Transforms the moments 2 ∫ ṙ dm and 2 ∫ ṙ rᵀ dm to another point, from which the old point has the
+/// position `lever`. `velocity` is twice the rate of the lever.
 pub(super) fn shift_flow<'g>(
     moments: MassMoments<Scalar<'g>>,
     momentum: Vector3<Scalar<'g>>,

@@ -53,31 +53,31 @@ use crate::spatial::Force;
 /// matrix.
 #[derive(Debug, Clone)]
 pub struct ForceDerivatives<'g> {
-    /// Forces by coordinate. In the result of [`inverse_dynamics_derivatives`] they are
-    /// `M ÿ + k − q_gravity`.
+    /// Forces by coordinate. [`inverse_dynamics_derivatives`] returns `M ÿ + k − q_gravity`, that is inertial
+    /// and Coriolis forces minus gravity.
     pub forces: Vec<Scalar<'g>>,
-    /// Derivatives of the forces with respect to y. Row i belongs to force i.
+    /// Derivatives of the forces with respect to the coordinates y. Row i belongs to force i.
     pub by_coordinates: Matrix<'g>,
-    /// Derivatives of the forces with respect to ẏ. Row i belongs to force i.
+    /// Derivatives of the forces with respect to the velocities ẏ. Row i belongs to force i.
     pub by_velocities: Matrix<'g>,
-    /// Mass matrix M.
+    /// Mass matrix M by coordinate.
     pub mass_matrix: Matrix<'g>,
 }
 
-/// Frame in which the derivatives for pairs of joints are computed. Each column of the derivatives belongs to
-/// the motion of one joint, and its entries belong to the forces at the joints before this joint.
+/// Frame in which the derivatives for pairs of joints are computed. A column contains the derivatives of the
+/// forces of all joints on the path to the base with respect to the motion of one joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PairFrame {
-    /// The working frame (the frame of the equations) of each body on the path to the base. The column is
-    /// transformed from body to body.
+    /// The frame of each body's equations on the path to the base. A column of derivatives is transformed
+    /// from body to body.
     Links,
-    /// The frame of the tree's first body. Columns need no transformation from body to body, but each product
-    /// has all components. All bodies must have the same unit of length.
+    /// The frame of the tree's first body. Columns of derivatives need no transformation from body to body,
+    /// but each product has all components. All bodies must have the same unit of length.
     Root,
 }
 
-/// Computes `M ÿ + k − q_gravity`, its derivatives with respect to y and ẏ, and M, in the working frames of a
-/// formulation.
+/// Computes `M ÿ + k − q_gravity` (inertial and Coriolis forces minus gravity), its derivatives with respect
+/// to y and ẏ, and the mass matrix M. `formulation` chooses how the equations are written.
 pub fn inverse_dynamics_derivatives<'g>(
     mechanism: &Mechanism<Scalar<'g>>,
     formulation: &Formulation,
@@ -134,16 +134,17 @@ pub fn inverse_dynamics_derivatives<'g>(
     result
 }
 
-/// The joint or rotor to which a column belongs.
+/// The joint or rotor to whose motion a column of derivatives belongs.
 struct Source<'g> {
-    /// The body of the joint; `None` if the column belongs to a rotor.
+    /// The body that the column's joint moves; `None` if the column belongs to a rotor.
     joint: Option<usize>,
-    /// Coordinates of the column, each with its factor.
+    /// Coordinates to which the column of derivatives belongs, each with its factor.
     coordinates: Vec<Followed<Scalar<'g>>>,
 }
 
 impl<'g> Tree<'_, 'g> {
-    /// Transforms a column from a body to the base, and adds its entries for each joint on the path.
+    /// Transforms a column of derivatives from a body to the base, and adds its entries for each joint on the
+    /// path.
     fn walk(
         &self,
         start: usize,
@@ -164,7 +165,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Adds the entries of the column for the joint of a body and for all joints before it.
+    /// Adds the entries of a column of derivatives for the joint of a body and for all joints before it.
     fn arrive(
         &self,
         index: usize,
@@ -176,8 +177,8 @@ impl<'g> Tree<'_, 'g> {
         self.walk(index, source, column, result);
     }
 
-    /// Adds the entries of the column for the joint of a body. Returns the body at which the column
-    /// continues.
+    /// Adds the entry of a column of derivatives for the joint of a body. Returns the body at which the
+    /// column continues.
     fn read_joint(
         &self,
         index: usize,
@@ -197,8 +198,8 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Adds the entries for the velocities of a joint with a quaternion that precede `end` in its chain.
-    /// The column is in the frame of the chain's last body.
+    /// Adds the entries for the velocities that precede body `end` among the bodies of a joint with a
+    /// quaternion. The column is in the frame of the body that the joint moves.
     fn read_chain(
         &self,
         place: ChainPlace,
@@ -212,8 +213,8 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Transforms a column from the frame of a chain's last body to the frame of its first body. Only the
-    /// axes change.
+    /// Transforms a column of derivatives from the frame of the last body of a joint with a quaternion to the
+    /// frame of its first body. Only the axes change.
     fn pass_chain(&self, place: ChainPlace, mut column: Column<'g>) -> Column<'g> {
         for index in (place.first + 1..=place.last).rev() {
             column = self.pass_on(index, &column);
@@ -221,8 +222,8 @@ impl<'g> Tree<'_, 'g> {
         column
     }
 
-    /// Continues the column of a velocity of a joint with a quaternion towards the base. The column is in the
-    /// frame of the moved body. For the joints before it, the rotation of this frame is added to the
+    /// Continues the derivatives for one velocity of a joint with a quaternion towards the base. They are in
+    /// the frame of the moved body. For the joints before it, the rotation of this frame is added to the
     /// derivative with respect to the coordinate.
     fn leave_chain(
         &self,
@@ -241,7 +242,7 @@ impl<'g> Tree<'_, 'g> {
         self.walk(place.first, source, column, result);
     }
 
-    /// Adds the diagonal entries: the entries of the column for the column's joint.
+    /// Adds the diagonal entries of the derivatives: the entries of a column for the column's own joint.
     fn read_own(
         &self,
         index: usize,
@@ -259,7 +260,8 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Component of a transformed force along the joint of a body, in the frame of the pairs.
+    /// Component of a transformed force along the joint of a body, in the frame in which pairs of joints are
+    /// computed.
     fn met_by(&self, index: usize, f: Force<'g>) -> Scalar<'g> {
         match self.base.get(index) {
             None => self.own_force(index, f),
@@ -267,7 +269,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Component of a force along the joint of a body, in the body's working frame.
+    /// Component of a force along the joint of a body, in the frame of the body's equations.
     fn own_force(&self, index: usize, f: Force<'g>) -> Scalar<'g> {
         let Body { axis, chain, .. } = &self.mechanism.bodies[index];
         match chain {
@@ -276,7 +278,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Adds the entries that couple the column's coordinates with the joint of a body.
+    /// Adds the derivatives that couple the column's coordinates with the joint of a body.
     fn read_off(
         &self,
         index: usize,

@@ -1,5 +1,4 @@
-//! A mechanism in motion: the columns of the derivatives at each body, and the transformation of columns to
-//! the parent.
+//! A mechanism in motion: the columns of derivatives at each body, and their transformation to the parent.
 
 use super::base_body::BaseBody;
 use super::column::{Column, Disturbance, Disturbed};
@@ -14,18 +13,20 @@ use crate::graph::Scalar;
 use crate::kinematics::{ChainPlace, Followed, JointAxis, Mechanism, Rotor};
 use crate::spatial::{Force, Matrix3, Motion, Vector3};
 
-/// A mechanism in motion.
+/// A mechanism in motion, with the frame, motion and levers of each body.
 pub(super) struct Tree<'a, 'g> {
     pub(super) mechanism: &'a Mechanism<Scalar<'g>>,
     pub(super) placements: &'a [Placement<'g>],
     pub(super) motions: &'a [BodyMotion<'g>],
     pub(super) levers: Vec<Lever<'g>>,
-    /// All bodies in the frame of the root for [`PairFrame::Root`](super::PairFrame::Root); otherwise empty.
+    /// All bodies in the frame of the tree's first body for [`PairFrame::Root`](super::PairFrame::Root);
+    /// otherwise empty.
     pub(super) base: Vec<BaseBody<'g>>,
 }
 
 impl<'g> Tree<'_, 'g> {
-    /// Composite moments of each body in its working frame, including 2P and 2K.
+    /// Moments of mass and velocity moments (2 ∫ ṙ dm, 2 ∫ ṙ rᵀ dm) of each body with all bodies beyond it,
+    /// in the frame of the body's equations.
     pub(super) fn flows(&self, formulation: &Formulation, input: MotionInput<'_, 'g>) -> Vec<Flow<'g>> {
         let composites = composites(self.mechanism, formulation, self.placements);
         let mut flows: Vec<Flow<'g>> = composites
@@ -49,7 +50,8 @@ impl<'g> Tree<'_, 'g> {
         flows
     }
 
-    /// Transforms 2P and 2K of a composite body to the parent's frame and origin.
+    /// Transforms the velocity moments (2 ∫ ṙ dm, 2 ∫ ṙ rᵀ dm) of a body with all bodies beyond it to the
+    /// parent's frame and origin.
     fn pass_flow(&self, index: usize, flow: &Flow<'g>) -> (Vector3<Scalar<'g>>, Matrix3<'g>) {
         let (body, placement, lever) =
             (&self.mechanism.bodies[index], &self.placements[index], &self.levers[index]);
@@ -65,7 +67,7 @@ impl<'g> Tree<'_, 'g> {
         shift_flow(moments, momentum, &spin, placement.translation, lever.across_velocity)
     }
 
-    /// Adds the spin of the rotors to 2K of their carriers.
+    /// Adds the spin of the rotors to the moment 2 ∫ ṙ rᵀ dm of their carriers.
     fn add_rotor_spin(&self, flows: &mut [Flow<'g>], input: MotionInput<'_, 'g>) {
         for rotor in &self.mechanism.rotors {
             let Some(carrier) = rotor.carrier else {
@@ -77,8 +79,8 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Column of body `index` for a unit of acceleration, velocity and position of its coordinate. If the
-    /// joint follows several coordinates, the unit is a unit of the joint's motion.
+    /// Column of derivatives of body `index` for a unit of acceleration, velocity and position of its
+    /// coordinate. If the joint follows several coordinates, the unit is a unit of the joint's motion.
     ///
     /// - `needed`: wrench that the body and all bodies beyond it require
     pub(super) fn column(&self, index: usize, flow: &Flow<'g>, needed: &Force<'g>) -> Column<'g> {
@@ -118,8 +120,8 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Column of the last body of a chain for a unit of acceleration, velocity and position along one
-    /// velocity of the joint. The column is in the moving frame of this body.
+    /// Column of derivatives for a unit of acceleration, velocity and position along one velocity of a joint
+    /// with a quaternion. The column is in the moving frame of the joint's last body.
     fn chain_column(
         &self,
         index: usize,
@@ -215,7 +217,7 @@ impl<'g> Tree<'_, 'g> {
         Column { inertial, damping: pass(column.damping), stiffness: pass(column.stiffness), by_omega }
     }
 
-    /// All bodies in the frame of the root.
+    /// All bodies in the frame of the tree's first body.
     pub(super) fn base_bodies(&self) -> Vec<BaseBody<'g>> {
         let mut bodies: Vec<BaseBody<'g>> = Vec::with_capacity(self.mechanism.bodies.len());
         for (index, body) in self.mechanism.bodies.iter().enumerate() {
@@ -258,7 +260,7 @@ impl<'g> Tree<'_, 'g> {
         bodies
     }
 
-    /// Transforms a column to the frame in which it is passed to the base.
+    /// Transforms a column of derivatives to the frame in which it is passed to the base.
     pub(super) fn depart(&self, index: usize, column: Column<'g>) -> Column<'g> {
         self.base.get(index).map_or(column, |body| body.column(&column))
     }
@@ -275,7 +277,7 @@ impl<'g> Tree<'_, 'g> {
         false
     }
 
-    /// Coordinates of the column of a body, each with its factor.
+    /// Coordinates of a body's column of derivatives, each with its factor.
     pub(super) fn coordinates_of(&self, index: usize) -> Vec<Followed<Scalar<'g>>> {
         let transmission = &self.mechanism.bodies[index].transmission;
         match transmission.single() {
@@ -287,7 +289,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Adds to a column the rotors on a body that the column's joint turns.
+    /// Adds to a column of derivatives the rotors on body `index` that the column's joint turns.
     pub(super) fn add_rotor_couplings(&self, index: usize, joint: usize, column: &mut Column<'g>) {
         let rotors = self.mechanism.rotors.iter();
         for rotor in rotors.filter(|r| r.carrier == Some(index) && r.driven == Some(joint)) {
@@ -295,7 +297,7 @@ impl<'g> Tree<'_, 'g> {
         }
     }
 
-    /// Adds a rotor on a body to the column of the coordinates that the rotor follows.
+    /// Adds a rotor on body `index` to the column of derivatives for the coordinates that the rotor follows.
     pub(super) fn add_rotor_coupling(
         &self,
         index: usize,

@@ -11,7 +11,7 @@ pub(super) const BLOCKS: &str = include_str!("blocks.c");
 /// Text of `gelenk_about_rows`: product of a block-diagonal matrix with one block per joint and a matrix.
 pub(super) const ROWS: &str = include_str!("rows.c");
 
-/// Text of `gelenk_about_rates`: rate of d with its derivatives. Its derivative with respect to the
-/// velocities is the inverse of the derivative of y ⊕ d with respect to d. Therefore it is also the
-/// derivative of d = y ⊖ y_ref with respect to small motions of y.
+/// Text of `gelenk_about_rates`: rate ḋ of the small motion d from the reference, with its derivatives. Its
+/// derivative with respect to the velocities is the inverse of the derivative of y ⊕ d with respect to d.
+/// Therefore it is also the derivative of d = y ⊖ y_ref with respect to small motions of y.
 pub(super) const RATES: &str = include_str!("rates.c");

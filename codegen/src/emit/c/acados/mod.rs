@@ -38,8 +38,8 @@ pub(super) fn dynamics(context: &Context<'_>) -> String {
     .concat()
 }
 
-/// Includes the module's source, and the source for CasADi if it is generated, because costs and constraints
-/// in CasADi call it.
+/// Includes of the module's source, and of the source for CasADi if it is generated, because costs and
+/// constraints in CasADi call that source.
 fn sources(context: &Context<'_>) -> String {
     let with_casadi = context.options.companions.contains(&Companion::Casadi);
     let names = [Some(".c"), with_casadi.then_some("_casadi.c")].into_iter().flatten();
@@ -74,18 +74,20 @@ const HEADERS: &str = r#"
 const PARAMETERS: &str =
     "    gelenk_parameters parameters;\n    memcpy(&parameters, FIRST, sizeof parameters);\n";
 
-/// Text of the functions that read and write BLASFEO's vectors and matrices.
+/// Text of the functions that read and write vectors and matrices of BLASFEO, the linear algebra library of
+/// acados.
 const BEGIN: &str = include_str!("begin.c");
 
-/// Text of the functions that acados calls.
+/// Text of the discrete dynamics that acados calls, for robots without quaternions.
 const STEP: &str = include_str!("step.c");
 
-/// Text of the functions that acados calls, with displacements from reference positions.
+/// Text of the discrete dynamics that acados calls, for robots with quaternions. Their states are
+/// displacements from reference positions.
 const STEP_ABOUT: &str = include_str!("step_about.c");
 
 const END: &str = include_str!("end.c");
 
-/// Names of the step and of the step with derivatives in C.
+/// Names in C of the function over a sample time and of its version with derivatives.
 fn functions(context: &Context<'_>) -> [String; 2] {
     ["acados_step", "acados_step_derivatives"].map(|name| context.function(name))
 }

@@ -1,6 +1,6 @@
-//! Literals of Python.
+//! Prints literals of Python.
 
-/// A number as a literal. Numbers that are not finite are NumPy's constants.
+/// A number as a literal of Python. Numbers that are not finite are NumPy's constants.
 pub(super) fn number(number: f64) -> String {
     match number {
         _ if number.is_nan() => "np.nan".to_owned(),
@@ -10,7 +10,7 @@ pub(super) fn number(number: f64) -> String {
     }
 }
 
-/// A text as a string literal. Other letters than printable ASCII are escaped.
+/// A text as a string literal of Python. Characters outside printable ASCII are escaped.
 pub(super) fn string(text: &str) -> String {
     let mut literal = String::from("\"");
     for letter in text.chars() {
@@ -24,7 +24,7 @@ pub(super) fn string(text: &str) -> String {
     literal
 }
 
-/// Texts as a tuple of string literals.
+/// Texts as a Python tuple of string literals.
 pub(super) fn strings<'a>(texts: impl Iterator<Item = &'a str>) -> String {
     let texts: Vec<String> = texts.map(string).collect();
     // A tuple with one entry needs a comma.

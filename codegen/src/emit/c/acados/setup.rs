@@ -1,5 +1,5 @@
-//! Prints the Python file that defines an optimal control problem. Constants of the robot are inserted into a
-//! fixed text.
+//! Prints the Python file that defines an optimal control problem for acados. Constants of the robot are
+//! inserted into a fixed text.
 
 use super::super::context::Context;
 use super::functions;
@@ -8,13 +8,14 @@ use crate::emit::header;
 use crate::functions::function::{Constant, ConstantValue};
 use crate::program::interpret::interpret;
 
-/// Fixed text of the file, without the constants and the code for the parameters of a stage.
+/// Fixed text of the Python file, without the robot's constants and the code for the parameters of a stage.
 const TEXT: &str = include_str!("setup.py");
 
-/// Code for the parameters of a stage of robots without quaternions.
+/// Python code for the parameters of a stage of the optimal control problem, for robots without quaternions.
 const PARAMETERS: &str = include_str!("parameters.py");
 
-/// Code for the parameters of a stage of robots with quaternions, which include reference positions.
+/// Python code for the parameters of a stage of the optimal control problem, for robots with quaternions.
+/// They include reference positions.
 const REFERENCES: &str = include_str!("references.py");
 
 const STATE: &str = "The dynamics are discrete: they give x = (y, ẏ) after a period with constant inputs u. The parameters p are the period in s,
@@ -24,7 +25,7 @@ const STATE_ABOUT: &str = "The dynamics are discrete: they give x = (d, v) after
 y_ref ⊕ d with the reference positions y_ref of each stage. Rotations in d are at most half a turn. The parameters p are the
 period in s, the reference positions at the beginning and end of the period, then the free parameters of the description.";
 
-/// Prints the file `<name>_acados.py`.
+/// Prints the file `<name>_acados.py`, which defines an optimal control problem.
 pub(in crate::emit::c) fn text(context: &Context<'_>) -> String {
     let lines = header::lines(context.module, &context.options.command);
     let top: String = lines.iter().map(|line| format!("#{}\n", line.trim_start_matches('/'))).collect();
@@ -38,13 +39,13 @@ pub(in crate::emit::c) fn text(context: &Context<'_>) -> String {
     format!("{top}{}", text.replace("# constants\n", &constants))
 }
 
-/// Data of a robot for the constants of the file.
+/// Data of a robot for the constants in the Python file for acados.
 struct Robot<'a> {
     context: &'a Context<'a>,
     n: usize,
     m: usize,
-    /// Entries of B, row-major, for the parameter values of the description; `None` if B depends on
-    /// positions.
+    /// Entries of the input matrix B, row-major, for the parameter values of the description; `None` if B
+    /// depends on positions.
     input_matrix: Option<Vec<f64>>,
 }
 
@@ -108,7 +109,7 @@ impl<'a> Robot<'a> {
         ]
     }
 
-    /// Additional constants of robots with quaternions.
+    /// Additional constants of the Python file for robots with quaternions.
     fn of_positions(&self) -> Vec<Entry> {
         if !self.context.module.has_quaternions() {
             return vec![];
@@ -198,7 +199,8 @@ impl<'a> Robot<'a> {
         ]
     }
 
-    /// Names of limits that are not included, because they are not constant bounds of x and u.
+    /// Names of limits that the Python file does not include, because they are not constant bounds of states
+    /// and inputs.
     fn left_out(&self) -> Entry {
         let has_efforts = ["EFFORT_LIMITS", "PEAK_EFFORT_LIMITS"]
             .iter()
@@ -211,8 +213,7 @@ impl<'a> Robot<'a> {
         entry("LEFT_OUT", strings(efforts.into_iter().chain(followers)), about)
     }
 
-    /// Whether a joint follows driven joints. Functions for acados have no argument for the motion of driven
-    /// joints.
+    /// Whether a joint follows joints with prescribed motion. Functions for acados cannot take this motion.
     fn follow_driven_joints(&self) -> bool {
         self.value("DEPENDENT_DRIVEN_RATIOS").is_some()
     }
@@ -242,7 +243,7 @@ impl<'a> Robot<'a> {
     }
 }
 
-/// Name, value and meaning of a constant.
+/// Name, value and comment of a constant in the Python file.
 type Entry = (&'static str, String, &'static str);
 
 fn entry(name: &'static str, value: String, about: &'static str) -> Entry {

@@ -1,46 +1,47 @@
-//! Functions for CasADi as data: inputs, outputs, and the index of each output entry in the array `e` of
-//! computed values.
+//! Functions for CasADi as data: inputs, outputs, and the index of each output entry in an array of computed
+//! values, which is named `e` in C.
 
-/// A function for CasADi with its derivatives.
+/// A function that CasADi calls, with its derivatives.
 pub(super) struct External {
-    /// The function that computes the value.
+    /// The C function that computes the value.
     pub(super) value: Evaluation,
-    /// The functions that compute the first and second derivatives; `None` if the module has no first
+    /// The C functions that compute the first and second derivatives; `None` if the module has no first
     /// derivatives.
     pub(super) derivatives: Option<[Evaluation; 2]>,
 }
 
-/// A function for CasADi without its derivatives.
+/// One C function that CasADi calls: a function or one of its derivatives.
 pub(super) struct Evaluation {
-    /// Name of the function in C.
+    /// Name in C of the function that CasADi calls.
     pub(super) name: String,
-    /// Description of the function, for a comment.
+    /// Description of the function that CasADi calls, for a comment.
     pub(super) about: String,
-    /// Inputs. All of them are dense.
+    /// Inputs of the function that CasADi calls. All of them are dense.
     pub(super) inputs: Vec<Input>,
-    /// Outputs, which may be sparse.
+    /// Outputs of the function that CasADi calls. They may be sparse.
     pub(super) outputs: Vec<Block>,
-    /// Computation of the outputs.
+    /// Way in which the function computes its outputs.
     pub(super) body: Body,
 }
 
 /// Method to compute the outputs of a function.
 pub(super) enum Body {
     /// Statements fill an array `e` of the given size, from index [`VALUES`] on. The outputs are entries of
-    /// `e`.
+    /// this array.
     Filled { statements: Vec<String>, size: usize },
-    /// The outputs are central differences of another function with respect to its first inputs.
+    /// The outputs are central differences of another function with respect to its first inputs (second
+    /// derivatives).
     Differences {
-        /// Name of the differentiated function.
+        /// Name of the function whose differences are computed.
         of: String,
         /// Number of inputs with respect to which the function is differentiated, and number of its outputs.
         counts: [usize; 2],
-        /// Length of the work array.
+        /// Length of the work array in which the differences are computed.
         work: usize,
     },
 }
 
-/// An input of a function.
+/// An input of a function that CasADi calls.
 #[derive(Clone)]
 pub(super) struct Input {
     pub(super) name: String,
@@ -50,18 +51,19 @@ pub(super) struct Input {
     pub(super) are_parameters: bool,
 }
 
-/// An output of a function. It does not contain entries that are zero in every state.
+/// An output of a function that CasADi calls. Entries that are zero in every state are left out.
 pub(super) struct Block {
     pub(super) name: String,
     pub(super) rows: usize,
     pub(super) columns: usize,
-    /// Row, column and index in `e` of each entry that can be non-zero, column by column.
+    /// Row, column and index in the array `e` of computed values for each entry that can be non-zero, column
+    /// by column.
     pub(super) entries: Vec<(usize, usize, usize)>,
 }
 
-/// Index in `e` of the number 1.
+/// Index of the number 1 in the array `e` of computed values.
 pub(super) const ONE: usize = 0;
-/// Index in `e` of the first computed value.
+/// Index of the first computed value in the array `e`.
 pub(super) const VALUES: usize = 1;
 
 impl Input {
@@ -86,7 +88,7 @@ impl Block {
         Self { name: name.to_owned(), rows, columns, entries: entries.collect() }
     }
 
-    /// A dense column of entries that are adjacent in `e`, from index `start` on.
+    /// A dense column whose entries are adjacent in the array `e` of computed values, from index `start` on.
     pub(super) fn column(name: &str, rows: usize, start: usize) -> Self {
         Self::new(name, [rows, 1], |row, _| Some(start + row))
     }
@@ -141,14 +143,14 @@ fn second_derivatives(jacobian: &Evaluation, by: usize) -> Evaluation {
     }
 }
 
-/// Number of entries of `e` that a result with `entries` entries occupies. An empty result occupies one
-/// entry.
+/// Number of entries that a result with `entries` entries occupies in the array `e` of computed values. An
+/// empty result occupies one entry.
 pub(super) fn room(entries: usize) -> usize {
     entries.max(1)
 }
 
-/// Code under construction for derivatives: statements that fill `e`, the size of `e`, and the outputs that
-/// are read from `e`.
+/// Code under construction for derivatives: statements that fill an array `e`, the size of this array, and
+/// the outputs that are read from it.
 pub(super) struct Derivatives {
     pub(super) statements: Vec<String>,
     pub(super) size: usize,
@@ -160,7 +162,7 @@ impl Derivatives {
         Self { statements, size: VALUES, blocks: vec![] }
     }
 
-    /// Reserves `count` entries of `e` and returns the first index.
+    /// Reserves `count` entries of the array `e` of computed values and returns the first index.
     pub(super) const fn room(&mut self, count: usize) -> usize {
         let place = self.size;
         self.size += count;
@@ -168,7 +170,8 @@ impl Derivatives {
     }
 }
 
-/// A result in `e`: index of its first entry, and a flag for each entry that can be non-zero.
+/// A result in the array `e` of computed values: index of its first entry, and a flag for each entry that can
+/// be non-zero.
 pub(super) struct Stored {
     pub(super) start: usize,
     pub(super) nonzero: Vec<bool>,

@@ -1,4 +1,4 @@
-//! The functions for CasADi with their derivatives.
+//! The functions that CasADi calls, with their derivatives.
 
 use super::super::context::Context;
 use super::external::{Block, Body, Derivatives, Evaluation, External, Input, ONE, Stored, VALUES, room};
@@ -24,7 +24,8 @@ fn of_frame(frame: &str, kind: FrameKind) -> String {
 const REFERENCE: [&str; 1] = ["y_ref"];
 
 impl Robot<'_> {
-    /// Forward dynamics ẋ = f(x, u); `None` if the module lacks them.
+    /// The function for CasADi of the forward dynamics ẋ = f(x, u) with state x and inputs u; `None` if the
+    /// module lacks them.
     fn dynamics(&self) -> Option<External> {
         let (n, m) = (self.n, self.m);
         let [rate, a] = [VALUES, VALUES + n];
@@ -83,7 +84,7 @@ impl Robot<'_> {
         Some(made)
     }
 
-    /// Inverse dynamics; `None` if the module lacks them.
+    /// The function for CasADi of the inverse dynamics; `None` if the module lacks them.
     fn inverse_dynamics(&self) -> Option<External> {
         let n = self.n;
         let positions = self.name_of(Given::Positions);
@@ -125,7 +126,7 @@ impl Robot<'_> {
         Some(made)
     }
 
-    /// State x⁺ after one period; `None` if the module lacks `step`.
+    /// The function for CasADi of the state after one period; `None` if the module lacks `step`.
     fn step(&self) -> Option<External> {
         let (n, m) = (self.n, self.m);
         let call = self.call("step", VALUES)?;
@@ -158,7 +159,7 @@ impl Robot<'_> {
         Some(External::new(value, derivatives))
     }
 
-    /// Statements that normalize the quaternions of the reference after the period.
+    /// Statements that normalize the quaternions of the reference positions after the period.
     fn next_reference(&self) -> [String; 3] {
         let ny = self.context.module.positions;
         [
@@ -214,8 +215,8 @@ impl Robot<'_> {
         Some(made)
     }
 
-    /// Call of the function that `sensitivities.rs` prints; `None` if the module lacks a function that this
-    /// function calls.
+    /// Call of the function for the derivatives of a step with respect to period and free parameters; `None`
+    /// if the module lacks a function that it calls.
     fn sensitivities(&self, place: usize) -> Option<String> {
         let by_parameters = self.parameters().map(|_| "forward_dynamics_by_parameters");
         let called = ["forward_dynamics", "linearize"].into_iter().chain(by_parameters);
@@ -224,7 +225,7 @@ impl Robot<'_> {
         Some(format!("{}(y, v, u, *period, {parameters}&e[{place}]);", self.name("sensitivities")))
     }
 
-    /// Pose of a frame; `None` if the module lacks its function.
+    /// The function for CasADi of a frame's pose; `None` if the module lacks it.
     fn frame(&self, frame: &str) -> Option<External> {
         let [position, rotation] = [VALUES, VALUES + 3];
         let turned = |row: usize, column: usize| Some(rotation + 3 * row + column);
@@ -272,10 +273,11 @@ impl Robot<'_> {
         Some(made)
     }
 
-    /// Derivatives ∂R = ω × R of a rotation matrix R. The nine entries of R are in the order of its columns.
+    /// Derivatives ∂R = ω × R of a rotation matrix R along angular velocities ω. The nine entries of R are in
+    /// the order of its columns.
     ///
     /// - `axes`: the entries of R
-    /// - `jacobian`: Jacobian of the frame, whose last three rows are ω
+    /// - `jacobian`: Jacobian of the frame, whose last three rows give the angular velocities
     fn turned(&self, made: &mut Derivatives, name: &str, axes: &Stored, jacobian: &Stored) -> Block {
         let columns = jacobian.nonzero.len() / 6;
         let turning = made.room(9 * columns);

@@ -8,7 +8,7 @@ use crate::functions::function::Function;
 use crate::layout::{Dimension, Extent};
 use crate::program::nonzero_entries;
 
-/// A module that functions for CasADi call, with n velocities and m inputs.
+/// A module as functions for CasADi call it, with n velocities and m inputs.
 pub(super) struct Robot<'a> {
     pub(super) context: &'a Context<'a>,
     pub(super) interface: &'a Interface,
@@ -18,27 +18,29 @@ pub(super) struct Robot<'a> {
 
 /// Derivatives of a result with respect to the arguments that determine the positions.
 pub(super) struct ByPositions {
-    /// Derivatives with respect to the positions, or to the small motions d from the reference.
+    /// Derivatives with respect to the positions, or for robots with quaternions to the small motions from
+    /// the reference.
     pub(super) own: Stored,
-    /// Derivatives with respect to the entries of the reference; `None` if there is no reference.
+    /// Derivatives with respect to the entries of the reference positions; `None` for robots without
+    /// quaternions.
     pub(super) reference: Option<Stored>,
 }
 
-/// The argument of a function that determines the positions.
+/// The argument that gives the positions to a function for CasADi.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Given {
-    /// The state x of positions (or small motions d) and velocities.
+    /// The state: positions (or small motions from a reference), then velocities.
     State,
-    /// The positions y, or the small motions d.
+    /// The positions alone, or the small motions from a reference.
     Positions,
 }
 
 /// Variable with respect to which the positions are differentiated.
 #[derive(Clone, Copy)]
 enum Chart {
-    /// The small motions d.
+    /// The small motions from the reference positions.
     Motion,
-    /// The entries of the reference.
+    /// The entries of the reference positions.
     Reference,
 }
 
@@ -52,7 +54,7 @@ impl Robot<'_> {
         self.context.module.positions
     }
 
-    /// Name of the argument in C.
+    /// Name of the argument in C that gives the positions.
     pub(super) fn name_of(&self, argument: Given) -> &'static str {
         match argument {
             Given::State => "x",
@@ -61,12 +63,12 @@ impl Robot<'_> {
         }
     }
 
-    /// Name in C of a private function or type of the file for CasADi.
+    /// Name with the module's prefix of a private function or type in the file for CasADi.
     pub(super) fn name(&self, name: &str) -> String {
         self.context.function(&format!("casadi_{name}"))
     }
 
-    /// Number of free parameters; `None` if there are no free parameters.
+    /// Number of free parameters of the module; `None` if there are none.
     pub(super) fn parameters(&self) -> Option<usize> {
         Some(self.interface.parameters.len()).filter(|&count| count > 0)
     }
@@ -81,7 +83,8 @@ impl Robot<'_> {
         inputs
     }
 
-    /// Statements that compute the positions y from an argument, and the velocities v from a state.
+    /// Statements that compute the positions y from an argument, and the velocities v if the argument is a
+    /// state.
     pub(super) fn begin(&self, argument: Given) -> Vec<String> {
         let n = self.n;
         let is_state = argument == Given::State;
@@ -98,8 +101,8 @@ impl Robot<'_> {
     }
 
     /// Begins the computation of derivatives, with the statements of [`Self::begin`]. For robots with
-    /// quaternions, the derivatives of the positions with respect to d and to the reference are computed,
-    /// too.
+    /// quaternions, the derivatives of the positions with respect to the small motions and to the reference
+    /// are computed, too.
     pub(super) fn begin_derivatives(&self, given: Given) -> Derivatives {
         let (mut statements, argument) = (self.begin(given), self.name_of(given));
         if self.has_reference() {
@@ -110,7 +113,8 @@ impl Robot<'_> {
         Derivatives::new(statements)
     }
 
-    /// Derivatives of the rate of d with respect to d and v; `None` if positions are not small motions.
+    /// Derivatives of the rate ḋ of the small motions d from the reference with respect to d and the
+    /// velocities; `None` if positions are not small motions.
     pub(super) fn rates(&self, made: &mut Derivatives) -> Option<[Stored; 2]> {
         let n = self.n;
         let [by_d, by_v] = self.has_reference().then(|| [made.room(n * n), made.room(n * n)])?;
@@ -166,8 +170,8 @@ impl Robot<'_> {
         }
     }
 
-    /// Flags for the entries that can be non-zero in a matrix with one block per joint and one row per
-    /// velocity.
+    /// For each entry of a matrix with one block per joint and one row per velocity, whether it can be
+    /// non-zero.
     fn nonzero_blocks(&self, chart: Chart) -> Vec<bool> {
         let columns = self.columns(chart);
         let mut nonzero = vec![false; self.n * columns];
@@ -199,8 +203,8 @@ impl Robot<'_> {
         self.context.module.joint_positions.iter().map(place).collect()
     }
 
-    /// Adds the call of a function that writes its results to `e`. Returns the places of the results in `e`,
-    /// or `None` if [`Self::call`] returns `None`.
+    /// Adds the call of a module's function that writes its results to the array `e` of computed values.
+    /// Returns the places of the results in this array, or `None` if [`Self::call`] returns `None`.
     pub(super) fn stored(&self, made: &mut Derivatives, name: &str) -> Option<std::vec::IntoIter<Stored>> {
         let nonzero = self.nonzero(name)?;
         let call = self.call(name, made.size)?;
@@ -210,8 +214,9 @@ impl Robot<'_> {
         Some(stored.collect::<Vec<_>>().into_iter())
     }
 
-    /// Call of a function of the module that writes its results to `e` from index `place` on. `None` if the
-    /// module lacks the function, or if wrenches or driven joints are arguments of the function.
+    /// Call of a function of the module that writes its results to the array `e` of computed values, from
+    /// index `place` on. `None` if the module lacks the function, or if wrenches or prescribed motions are
+    /// arguments of the function.
     pub(super) fn call(&self, name: &str, place: usize) -> Option<String> {
         let function = self.callable(name)?;
         let mut words: Vec<String> = vec![];
@@ -237,7 +242,7 @@ impl Robot<'_> {
         self.interface.functions.iter().find(|function| function.name == name)
     }
 
-    /// For each result of a function, the flags of the entries that can be non-zero.
+    /// For each result of a module's function, the flags of the entries that can be non-zero.
     fn nonzero(&self, name: &str) -> Option<Vec<Vec<bool>>> {
         let functions = self.interface.functions.iter().zip(&self.context.module.functions);
         let found: Option<(&Callable, &Function)> = functions.into_iter().find(|(face, _)| face.name == name);

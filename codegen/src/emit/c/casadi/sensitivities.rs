@@ -3,7 +3,7 @@
 use super::super::context::Context;
 use crate::functions::function::ConstantValue;
 
-/// Prints the function; `None` if it is not called.
+/// Prints the function for the derivatives of a step; `None` if no function for CasADi calls it.
 ///
 /// The function's result `d` has one row for each small motion of the positions, then one row for each
 /// velocity. The first column belongs to the period, the other columns to the free parameters.

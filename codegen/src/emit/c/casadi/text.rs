@@ -1,4 +1,4 @@
-//! Prints functions for CasADi.
+//! Prints the C text of functions for CasADi.
 
 use super::super::context::Context;
 use super::super::{comment, layout};
@@ -6,7 +6,7 @@ use super::external::{self, Body, Evaluation, External, Input, ONE};
 use crate::emit::documentation::Block;
 use crate::emit::text::code;
 
-/// Comment at the top of the file with a list of all functions.
+/// Comment at the top of the file for CasADi with a list of all functions.
 pub(super) fn overview(context: &Context<'_>, externals: &[External]) -> String {
     let item = |external: &External| {
         let External { value, derivatives } = external;
@@ -40,7 +40,7 @@ pub(super) fn overview(context: &Context<'_>, externals: &[External]) -> String 
 const REFERENCE: &str = "Positions are given as a small motion d from the reference y_ref: y = y_ref ⊕ d. The quaternions of a \
     reference are normalized, and derivatives include this normalization. An evaluation fails if a quaternion is zero or not finite.";
 
-/// Text that all functions share, after the include of the module.
+/// Text that all functions for CasADi share, after the include of the module.
 pub(super) fn shared(context: &Context<'_>) -> String {
     let text = context.pasted_names(SHARED);
     match context.module.has_quaternions() {
@@ -92,10 +92,11 @@ static inline void gelenk_casadi_turn(const double *r, const double *w, int colu
 }
 "#;
 
-/// End of the file.
+/// End of the file for CasADi.
 pub(super) const END: &str = "\n#ifdef __cplusplus\n}\n#endif\n";
 
-/// Prints a function, together with the functions by which CasADi queries its inputs, outputs and sparsity.
+/// Prints a function for CasADi, together with the functions by which CasADi queries its inputs, outputs and
+/// sparsity.
 pub(super) fn function(context: &Context<'_>, evaluation: &Evaluation) -> String {
     let Evaluation { name, about, inputs, outputs, .. } = evaluation;
     let define = |head: &str, statements: &[String]| {
@@ -167,7 +168,8 @@ fn differences(context: &Context<'_>, of: &str, inputs: usize, [by, outputs]: [u
     ]
 }
 
-/// Statements of a function that fills `e` and copies the outputs.
+/// Statements of a function for CasADi that fills the array `e` of computed values and copies the outputs
+/// from it.
 fn filled(context: &Context<'_>, evaluation: &Evaluation, statements: &[String], size: usize) -> Vec<String> {
     let Evaluation { inputs, outputs, .. } = evaluation;
     let longest = inputs.iter().map(|input| input.rows * input.columns).max().unwrap_or(0).max(1);
@@ -202,7 +204,7 @@ fn filled(context: &Context<'_>, evaluation: &Evaluation, statements: &[String],
     lines
 }
 
-/// Whether statements contain the name of an argument.
+/// Whether statements contain the name of an argument as a word.
 fn reads(statements: &str, name: &str) -> bool {
     let is_word = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
     statements.split(|letter| !is_word(letter)).any(|word| word == name)

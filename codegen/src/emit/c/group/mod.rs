@@ -22,7 +22,8 @@ pub(super) fn same(context: &Context<'_>, number: &str) -> String {
     format!("{}({number})", context.function("same"))
 }
 
-/// Text that reads one entry of an argument for several states. The arrays of the states are adjacent.
+/// Text that reads one entry of an argument for several states. The arrays of the states follow each other in
+/// memory.
 ///
 /// - `len`: number of entries of the argument for one state
 pub(super) fn gather(context: &Context<'_>, argument: &str, index: usize, len: usize) -> String {
@@ -43,7 +44,7 @@ pub(super) fn scatter(
     format!("{callee}(&{result}[{index}], {len}, {});", values.join(", "))
 }
 
-/// Name of the version of an elementary function for several states at once.
+/// Name of the C function that applies an elementary function to several states at once.
 pub(super) fn of_each(context: &Context<'_>, callee: &str, arguments: usize) -> String {
     let stem = callee.strip_prefix(&context.function("")).unwrap_or(callee);
     let scalar = context.options.scalar;
@@ -58,7 +59,7 @@ pub(super) fn of_each(context: &Context<'_>, callee: &str, arguments: usize) -> 
     }
 }
 
-/// Name of the function that computes sine and cosine for several states at once.
+/// Name of the C function that computes sine and cosine for several states at once.
 pub(super) fn sin_cos(context: &Context<'_>) -> String {
     own(context, kernels::of_scalar([Kernel::SinCos, Kernel::SinCosF32], context.options.scalar))
 }
@@ -94,7 +95,7 @@ fn one_by_one(context: &Context<'_>, callee: &str, stem: &str, arguments: usize)
     })
 }
 
-/// Text of the types and functions that functions over several states use.
+/// Text of the types and functions that code over several states uses.
 pub(super) fn text(context: &Context<'_>) -> String {
     if !context.has_lanes() {
         return String::new();

@@ -1,4 +1,5 @@
-//! Prints functions over lanes (eight states at once). One text is compiled for several instruction sets.
+//! Prints functions over lanes, which evaluate eight states at once. One text is compiled for several
+//! instruction sets.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -14,7 +15,7 @@ use crate::emit::options::Scalar;
 use crate::program::lanes::Plan;
 use crate::program::{Operand, Operation, Output};
 
-/// Instruction set of a version of a function: the compiler's target, or an extension of it.
+/// Instruction set for which a function is compiled: the compiler's target, or an extension of it.
 #[derive(Clone, Copy)]
 enum InstructionSet {
     Target,
@@ -25,7 +26,7 @@ enum InstructionSet {
 impl InstructionSet {
     const ALL: [Self; 3] = [Self::Target, Self::Avx2, Self::Avx512];
 
-    /// Suffix of the function's name.
+    /// Suffix of the function's name for this instruction set.
     fn suffix(self) -> &'static str {
         match self {
             Self::Target => "",
@@ -44,8 +45,10 @@ impl InstructionSet {
     }
 
     /// Number of states that the text computes at a time. These states fit in one register, so there is no
-    /// loop over registers that the compiler could unroll. With eight states in two AVX2 registers,
-    /// `linearize` of a UR5 did not fit in the instruction cache and took 114 ns instead of 76 ns per state.
+    /// loop over registers that the compiler could unroll.
+    ///
+    /// With eight states in two AVX2 registers, `linearize` of a UR5 did not fit in the instruction cache and
+    /// took 114 ns instead of 76 ns per state.
     fn width(self, scalar: Scalar) -> usize {
         match (self, scalar) {
             (Self::Avx512, _) | (Self::Avx2, Scalar::F32) => LANES,
@@ -54,10 +57,11 @@ impl InstructionSet {
     }
 }
 
-/// Name of the function whose versions are listed in a table, from which the runtime selects a version.
+/// Name of the function whose versions for each instruction set are listed in a table. The runtime selects
+/// one of them.
 const TABLED: &str = "linearize";
 
-/// Names of variables in the text over lanes. Arguments and values must not have these names.
+/// Names of variables in functions for eight states at once. Arguments and values must not have these names.
 const LOCALS: [&str; 8] = ["p", "group", "lane", "W", "angles", "sines", "cosines", "values"];
 
 /// The loops over states, and one public function for each instruction set.
@@ -74,17 +78,17 @@ pub(super) fn items(body: &Body<'_>, name: &Ident, plan: &Plan, unused: &[TokenS
 /// Parts of the text that the functions of all instruction sets have in common.
 struct Form<'a> {
     context: &'a Context<'a>,
-    /// The body for one lane (state).
+    /// The function's body for one lane (one of eight states).
     body: Body<'a>,
     plan: &'a Plan,
     name: &'a Ident,
-    /// Arguments with types.
+    /// Arguments of the function with their types.
     arguments: Vec<TokenStream>,
-    /// Names of the arguments.
+    /// Names of the function's arguments.
     names: Vec<Ident>,
-    /// Names of the results.
+    /// Names of the function's results.
     results: Vec<Ident>,
-    /// For each part, the name of the array of values that later parts read.
+    /// For each part of the function, the name of the array of values that later parts read.
     values: Vec<Ident>,
 }
 
@@ -185,7 +189,7 @@ impl<'a> Form<'a> {
         quote!([Group([#zero; W]); #count])
     }
 
-    /// The loop of one part over the states.
+    /// The loop over the states for one part of the function.
     fn part(&self, index: usize) -> TokenStream {
         let part = &self.plan.parts[index];
         let callee = body_name(self.name, self.plan, index);
@@ -215,7 +219,7 @@ impl<'a> Form<'a> {
         }
     }
 
-    /// Tokens of a value that a part takes: a sine, a cosine or a value of an earlier part.
+    /// Tokens of a value that a part of the function reads: a sine, a cosine or a value of an earlier part.
     fn taken(&self, value: usize) -> TokenStream {
         let made_at = self.body.flow.made_at[value];
         if let Ok(k) = self.plan.pairs.binary_search(&made_at) {
@@ -235,7 +239,7 @@ impl<'a> Form<'a> {
         place.unwrap_or_else(|| unreachable!("an earlier part returns what a part takes"))
     }
 
-    /// Statements of a part of a function that returns its results. Only the last part has results.
+    /// Statements for one part of a function that returns its results. Only the last part has results.
     fn returning(&self, index: usize, call: &TokenStream) -> TokenStream {
         if index + 1 < self.plan.parts.len() {
             let stores = self.handed_on(index);
@@ -250,7 +254,7 @@ impl<'a> Form<'a> {
         quote!(let #locals = #call; #(#stores)*)
     }
 
-    /// Statements of a part of a function that writes its results in place. They copy the results of one
+    /// Statements for one part of a function that writes its results in place. They copy the results of one
     /// state to the results of all states.
     fn storing(&self, index: usize, callee: &Ident, arguments: &TokenStream) -> TokenStream {
         let part = &self.plan.parts[index];
@@ -288,7 +292,7 @@ impl<'a> Form<'a> {
         stores.collect()
     }
 
-    /// Names of variables for the results of one state.
+    /// Names of local variables for the results of one state.
     fn locals(&self) -> Vec<Ident> {
         let results = 1..=self.results.len();
         results.map(|k| format_ident!("result_{}", k)).collect()
@@ -298,7 +302,7 @@ impl<'a> Form<'a> {
         format_ident!("{}_each", self.name)
     }
 
-    /// The table of the functions for all instruction sets.
+    /// The constant table with the function's version for each instruction set.
     fn table(&self) -> TokenStream {
         let (arguments, name) =
             (&self.arguments, format_ident!("{}_LANES", self.name.to_string().to_uppercase()));

@@ -25,7 +25,7 @@ use crate::program::lanes::Plan;
 /// of AVX2, and four registers of SSE2 or Neon.
 const LANES: usize = 8;
 
-/// Largest number of statements of one loop over the states. Times of `linearize` per state [ns] on an EPYC
+/// Largest number of statements of one loop over the states. Times of `linearize` per state (ns) on an EPYC
 /// processor (Zen 4):
 ///
 /// | statements | UR5, AVX2 | UR5, AVX-512 | Panda, AVX2 | Panda, AVX-512 |
@@ -41,11 +41,11 @@ const LANES: usize = 8;
 /// places, the compiler could not keep values in registers, and the times would be 95 ns to 128 ns.
 const LONGEST_LOOP: usize = 100;
 
-/// Names of items for lanes. Other items must not have these names.
+/// Names of items for functions over eight states at once. Other items must not have these names.
 pub(super) const RESERVED: [&str; 3] = ["Lanes", "Group", "LINEARIZE_LANES"];
 
-/// The types that the printed functions use: a type for eight states, and a type for the values between the
-/// loops of a function.
+/// The types that functions over eight states use: a type for eight states, and a type for the values between
+/// the loops of a function.
 pub(super) fn types(context: &Context<'_>) -> Vec<TokenStream> {
     let (ty, len) = (context.ty(), Literal::usize_unsuffixed(LANES));
     let lanes = context.has_lanes.get().then(|| {
@@ -67,8 +67,8 @@ pub(super) fn types(context: &Context<'_>) -> Vec<TokenStream> {
     lanes.into_iter().chain(group).collect()
 }
 
-/// Division of a function into loops over lanes. `None` if no version over lanes is requested, or if the
-/// elementary functions are those of std.
+/// Division of a function into loops over eight states (lanes). `None` if no version over lanes is requested,
+/// or if the elementary functions are those of std.
 pub(super) fn plan(context: &Context<'_>, function: &Function) -> Option<Plan> {
     if !context.module.lanes.contains(&function.name) {
         return None;
@@ -78,7 +78,8 @@ pub(super) fn plan(context: &Context<'_>, function: &Function) -> Option<Plan> {
     Some(plan.unwrap_or_else(|| unreachable!("`Module::lanes` have a form over lanes")))
 }
 
-/// The public functions for one state, the bodies for lanes, and the functions over lanes.
+/// The public functions for one state, the private functions called in loops over lanes, and the functions
+/// over lanes (eight states at once).
 pub(super) fn items(
     context: &Context<'_>,
     function: &Function,

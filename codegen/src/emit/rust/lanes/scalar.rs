@@ -1,4 +1,5 @@
-//! Prints the bodies of a function over lanes. A body is a function of one state that is called in a loop.
+//! Prints the bodies of functions over lanes (eight states at once). A body is a function of one state that
+//! is called in a loop.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -11,7 +12,7 @@ use super::super::signature::{Signature, item};
 use crate::program::lanes::Plan;
 use crate::program::split::Part;
 
-/// Name of the body of the part with this index.
+/// Name of the function for one state that computes the part with this index.
 pub(super) fn body_name(name: &Ident, plan: &Plan, index: usize) -> Ident {
     match plan.parts.len() {
         1 => format_ident!("{}_body", name),
@@ -19,14 +20,14 @@ pub(super) fn body_name(name: &Ident, plan: &Plan, index: usize) -> Ident {
     }
 }
 
-/// Arguments of a body.
+/// Arguments of the function for one state that computes a part.
 fn arguments(taken: Taken, results: impl Iterator<Item = TokenStream>) -> Vec<TokenStream> {
     let values = taken.values.into_iter();
     let read = values.chain(taken.inputs).chain(taken.parameters);
     read.chain(results).collect()
 }
 
-/// The bodies, one function for each part.
+/// The functions for one state, one for each part of a function that evaluates eight states at once.
 pub(super) fn items(body: &Body<'_>, name: &Ident, signature: &Signature, plan: &Plan) -> Vec<TokenStream> {
     let parts = 0..plan.parts.len();
     parts.map(|index| part(body, name, signature, plan, index)).collect()
@@ -74,8 +75,8 @@ fn part(body: &Body<'_>, name: &Ident, signature: &Signature, plan: &Plan, index
     )
 }
 
-/// Statements of a part. The last part also contains the result entries that are numbers, inputs, sines or
-/// cosines.
+/// Statements of one part of a function that evaluates eight states at once. The last part also contains the
+/// result entries that are numbers, inputs, sines or cosines.
 fn part_statements(body: &Body<'_>, plan: &Plan, part: &Part, is_last: bool) -> TokenStream {
     let statements = body.statements_among(part.range.clone(), |index| plan.is_in_part[index]);
     match (is_last, body.results.is_empty()) {

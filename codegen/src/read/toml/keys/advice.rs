@@ -20,7 +20,7 @@ pub(crate) fn advice(unknown: &str, keys: &Keys) -> Option<String> {
     nearest(unknown, keys.rows().map(|row| row.name))
 }
 
-/// The table nearest to the top level that has this key, and the key.
+/// The table that is nearest to the top level and has a key with this name, and the key.
 fn elsewhere(name: &str) -> Option<(&'static Keys, &'static Key)> {
     let mut waiting = VecDeque::from([&ROBOT]);
     while let Some(keys) = waiting.pop_front() {

@@ -14,7 +14,7 @@ pub(super) static FRICTION: Keys = Keys {
     ],
 };
 
-/// Friction of the shaft of a drive.
+/// Keys of the friction of a drive's shaft.
 #[rustfmt::skip]
 pub(super) static SHAFT_FRICTION: Keys =
     Keys { name: "shaft_friction", what: "a friction law of a shaft", groups: &[LAWS] };

@@ -18,7 +18,7 @@ pub(crate) use robot::ROBOT;
 pub(crate) use row::{Key, Keys, Value};
 pub(crate) use values::FREE;
 
-/// Names of the parts of joints with several degrees of freedom.
+/// Names of the parts of joints with several degrees of freedom, for example `turn` and `slide`.
 #[cfg(feature = "cli")]
 pub(crate) fn parts() -> std::collections::BTreeSet<&'static str> {
     crate::read::composite::Composite::ALL

@@ -1,4 +1,4 @@
-//! Keys at the top of a description.
+//! Keys at the top level of a description.
 
 use super::bodies::{BODY, FRAME};
 use super::drives::SHARED_DRIVE;

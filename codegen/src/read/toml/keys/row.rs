@@ -1,18 +1,18 @@
-//! Types of the tables of keys.
+//! Types for the tables of keys: each row contains name, allowed values and meaning of one key.
 
-/// Keys of one table of a description.
+/// All keys that one table of a description may have.
 #[derive(Debug)]
 pub(crate) struct Keys {
-    /// Name in the schema.
+    /// Name of the table in the JSON schema.
     #[cfg_attr(not(feature = "cli"), expect(dead_code, reason = "of the schema alone"))]
     pub(crate) name: &'static str,
-    /// The object that the table describes, with article: `a joint`.
+    /// The object that the table describes, with article, for example `a joint`.
     pub(crate) what: &'static str,
-    /// Rows of the table. Several tables may share a group of rows.
+    /// Groups of keys that the table may have. Several tables may share a group.
     pub(crate) groups: &'static [&'static [Key]],
 }
 
-/// A key of a table.
+/// A key of a table in a description, with allowed values and meaning.
 #[derive(Debug)]
 pub(crate) struct Key {
     pub(crate) name: &'static str,
@@ -22,47 +22,47 @@ pub(crate) struct Key {
     /// Value that applies if the key is absent, or the meaning of its absence, as text.
     #[cfg_attr(not(feature = "cli"), expect(dead_code, reason = "of the schema alone"))]
     pub(crate) default: &'static str,
-    /// Example of a value in TOML.
+    /// Example of the key's value in TOML.
     pub(crate) example: &'static str,
-    /// Meaning of the key.
+    /// Meaning of the key, for help texts and documentation.
     pub(crate) says: &'static str,
-    /// Names of the same quantity in other formats, data sheets and tables.
+    /// Names of the same quantity in other formats, data sheets and tables, for suggestions.
     pub(crate) also: &'static [&'static str],
-    /// Whether the key is required.
+    /// Whether the table must have the key.
     pub(crate) is_needed: bool,
 }
 
-/// Type of the values of a key.
+/// Type of the values that a key may have.
 #[derive(Debug)]
 pub(crate) enum Value {
-    /// Any text.
+    /// Any text, also with several lines.
     Text,
-    /// One line of text.
+    /// A name: one line of text.
     Name,
     Flag,
-    /// A number or a formula.
+    /// A number, or a formula of numbers.
     Number,
     /// A number or formula that is greater than 0.
     Positive,
     /// A number, a formula of parameters, or `{ free = … }`.
     Formula,
-    /// A force law as text.
+    /// A force law as text, a formula of position and velocity.
     Law,
-    /// One of these words.
+    /// One of these words, as text.
     Words(&'static [&'static str]),
     /// A list of this number of values; `None` allows any number.
     List(&'static Self, Option<usize>),
-    /// Two values of different kinds.
+    /// A list of two values of different kinds.
     Pair(&'static [Self; 2]),
     Table(&'static Keys),
-    /// A table whose keys are names of the user.
+    /// A table whose keys are names that the user chooses.
     Names(&'static Self),
     /// One value. For joints with several degrees of freedom, a table with a value for each part.
     ByPart(&'static Self),
     Either(&'static [Self]),
 }
 
-/// A row with the fields that all keys have.
+/// Creates a key with the fields that all keys have.
 pub(super) const fn key(name: &'static str, value: Value, example: &'static str, says: &'static str) -> Key {
     Key { name, value, unit: "", default: "", example, says, also: &[], is_needed: false }
 }
@@ -84,13 +84,13 @@ impl Key {
         Self { is_needed: true, ..self }
     }
 
-    /// The key with its example and unit.
+    /// Text of the key with its example value and unit.
     pub(crate) fn line(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(", in {}", self.unit) };
         format!("`{} = {}`{unit}", self.name, self.example)
     }
 
-    /// Meaning of the key, with unit and default.
+    /// Text of the key's meaning, with unit and default.
     #[cfg(feature = "cli")]
     pub(crate) fn description(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" ({})", self.unit) };
@@ -116,7 +116,8 @@ impl Keys {
 }
 
 impl Value {
-    /// The types of the entries of a list, pair or table, or the alternatives of a value.
+    /// The types of the entries of a list, pair or table, or the alternatives if a value may have several
+    /// types.
     fn parts(&self) -> &[Self] {
         match self {
             Self::List(entry, _) | Self::Names(entry) | Self::ByPart(entry) => std::slice::from_ref(entry),
@@ -134,7 +135,7 @@ impl Value {
         }
     }
 
-    /// Words that the value allows; empty if the value is not a word.
+    /// Words that the value may be; empty if the value is not a word.
     pub(crate) fn words(&self) -> &'static [&'static str] {
         match self {
             Self::Words(words) => words,
@@ -154,7 +155,7 @@ impl Value {
         matches!(self, Self::List(Self::Table(_), None))
     }
 
-    /// Description of the types that the value allows.
+    /// Text that lists the types that the value may have.
     pub(crate) fn kinds(&self) -> String {
         match self {
             Self::Text | Self::Name => "a text in quotes".to_owned(),

@@ -1,4 +1,4 @@
-//! Values that several tables have.
+//! Types of values that several tables of keys share.
 
 use super::row::{Key, Keys, Value, key};
 
