@@ -135,8 +135,9 @@ pub struct JointFriction {
     pub name: String,
     /// Velocities ẏ [rad/s or m/s] at the samples in which the joint does not rest, of all runs.
     pub velocities: Vec<f64>,
-    /// Measured forces minus the estimated rigid-body forces and load-dependent friction, at the same samples [N·m or N]. These
-    /// differences contain the other friction, the offset and the error.
+    /// Measured forces minus the estimated rigid-body forces and load-dependent friction, at the samples in
+    /// which the joint does not rest [N·m or N]. The differences contain the other friction, the offset and
+    /// the error.
     pub torques: Vec<f64>,
     /// Friction law with its report, or the findings because of which there is no law.
     pub report: std::result::Result<FrictionReport, Vec<Finding>>,

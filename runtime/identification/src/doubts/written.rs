@@ -176,7 +176,7 @@ impl Written<'_> {
     }
 }
 
-/// Returns the mean error of each recording. All parts of a recording have the same offset.
+/// Returns the mean prediction error of each recording. All parts of a recording have the same offset.
 fn by_recording(runs: &[PreparedRun], errors: &[Vec<f64>]) -> Vec<f64> {
     let mut all: Vec<(&str, Vec<f64>)> = Vec::new();
     for (run, errors) in runs.iter().zip(errors).filter(|(_, errors)| !errors.is_empty()) {

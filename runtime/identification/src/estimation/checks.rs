@@ -27,7 +27,7 @@ const DOES_NOT_MOVE: Rule = Rule::warning("does-not-move");
 /// Fixture: `estimation/tests/simulated.rs`.
 const ACCELERATION: Rule = Rule::warning("residual-follows-acceleration");
 
-/// Inputs of the checks.
+/// Fit whose residuals are checked.
 pub(super) struct Checked<'a> {
     pub(super) task: &'a Task<'a>,
     pub(super) forces: &'a Forces,

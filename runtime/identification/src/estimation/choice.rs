@@ -30,7 +30,7 @@ pub(super) struct Chosen<'a> {
     pub(super) centred: Centred<'a>,
 }
 
-/// Quantities that the choice may vary.
+/// Parts of the model that the choice may change.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Freedom<'a> {
     pub(super) offsets: Option<Offsets>,
@@ -105,7 +105,7 @@ impl Chosen<'_> {
         self.error(&self.model, prior)
     }
 
-    /// The fit of the choice to all data.
+    /// Fits the chosen model to all data.
     pub(super) fn solved(&self, prior: &Prior) -> Result<Solved> {
         fit(&self.centred, &self.centred.all, &self.model, prior, &self.weighting, &self.values)
     }
@@ -222,7 +222,7 @@ impl Chosen<'_> {
 }
 
 impl<'a> Chosen<'a> {
-    /// The same choice of the model, fitted to other sums with new weights.
+    /// This choice of the model, fitted to other sums of products with new weights.
     pub(super) fn with_sums<'b>(&self, sums: &'b Sums, prior: &Prior) -> Result<Chosen<'b>>
     where
         'a: 'b,
@@ -232,7 +232,7 @@ impl<'a> Chosen<'a> {
         Ok(other)
     }
 
-    /// The same choice and weights for other sums, not fitted yet.
+    /// This choice and its weights for other sums of products, not fitted yet.
     pub(super) fn over<'b>(&self, sums: &'b Sums) -> Chosen<'b>
     where
         'a: 'b,
@@ -240,7 +240,7 @@ impl<'a> Chosen<'a> {
         self.with_more(self.centred.layout, sums, 1.0)
     }
 
-    /// The same choice with more inertial parameters, not fitted yet.
+    /// This choice with additional inertial parameters, not fitted yet.
     ///
     /// - `trust`: factor of the weight that holds each additional parameter at zero
     pub(super) fn with_more<'b>(&self, layout: &'b Layout, sums: &'b Sums, trust: f64) -> Chosen<'b> {

@@ -11,9 +11,10 @@ use super::settings::EstimationSettings;
 use gelenk_findings::digits::two_digits;
 use std::ops::Range;
 
-/// Candidate widths 1/k of the Coulomb term tanh(k v), as shares of the joint's fast speed ([`fast_speed`]).
+/// Candidate widths 1/k of the Coulomb term tanh(k v) with the velocity v, as shares of the joint's fast
+/// speed ([`fast_speed`]).
 const WIDTHS: [f64; 4] = [0.01, 0.025, 0.06, 0.15];
-/// Number of candidate terms of a joint: v, the Coulomb terms, |v|, and ÿ.
+/// Number of candidate terms of a joint: velocity v, the Coulomb terms, |v|, and acceleration ÿ.
 pub(super) const TERMS: usize = WIDTHS.len() + 3;
 pub(super) const VISCOUS: usize = 0;
 pub(super) const COULOMB: Range<usize> = 1..1 + WIDTHS.len();
@@ -22,8 +23,8 @@ pub(super) const ARMATURE: usize = TERMS - 1;
 /// Index of the load-dependent friction term |τ_l| tanh(k v) with the load τ_l, if the layout has this term.
 pub(super) const LOAD: usize = TERMS;
 
-/// Number of random states at which the structure of the regressor W is determined. One state is enough with probability
-/// one. More states are a safeguard.
+/// Number of random states at which the nonzero columns of the regressor W are found. One state is enough
+/// with probability one. More states are a safeguard.
 const PROBES: usize = 4;
 
 /// Columns of the equations of all joints, and properties of the data.
@@ -36,8 +37,8 @@ pub(super) struct Layout {
     pub(super) parameters: usize,
     /// Number of candidate terms of each joint: [`TERMS`], or one more with [`LOAD`].
     pub(super) terms: usize,
-    /// Indices of the unknowns in each joint's equation, ascending. The sums of a joint have these columns, then the
-    /// described rigid force and the measured force.
+    /// Indices of the unknowns in each joint's equation, ascending. The equation also has columns of the
+    /// described rigid-body force and of the measured force.
     pub(super) local: Vec<Vec<usize>>,
     /// For each effort, the index of its delay. Efforts with the same index share a delay. Empty if the delays are known.
     pub(super) delays: Vec<usize>,

@@ -47,7 +47,8 @@ levels! {
     /// contain 83 %, 94 % and 96 % of the true values for 0.1, 0.12 and 0.14.
     BODIES: f64 = 0.12;
 
-    /// Largest standard deviation of ln K, with the gain K. The value corresponds to three decades of K.
+    /// Largest standard deviation of ln K, with the gain K of a drive. The value corresponds to three decades
+    /// of K.
     GAINS: f64 = 7.0;
 
     /// Smallest weight of the description that is tried.
@@ -86,8 +87,8 @@ levels! {
     /// R² below which a joint's effort is hardly explained. The sign of this effort is then doubted.
     POOR: f64 = 0.5;
 
-    /// Smallest power of estimated friction that drives a joint at which there is a finding, as a share of the power of a
-    /// force with the size of the measured force.
+    /// Smallest power with which estimated friction drives a joint that gives a finding, as a share of the
+    /// power of a force with the size of the measured force.
     NOTICEABLE_POWER: f64 = 0.05;
 
     /// Smallest number of samples with which estimated friction that drives a joint shows a wrong sign of the effort. It is ten

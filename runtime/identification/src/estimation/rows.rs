@@ -29,7 +29,8 @@ pub(super) struct Rows<'a> {
     load: Vec<f64>,
     regressor: Vec<f64>,
     at_rest: Vec<f64>,
-    /// Entries that `more` adds at the last evaluated sample; empty if `more` is `None`.
+    /// Entries of the regressor that a hypothesis adds at the last evaluated sample; empty if there is no
+    /// such hypothesis.
     added: Vec<f64>,
     /// Columns of each joint. The distance between two columns is [`BLOCK`].
     columns: Vec<Vec<f64>>,
@@ -67,7 +68,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// These rows with the rates of the efforts from a first fit.
+    /// These rows with rates of the efforts, which a first fit has predicted.
     pub(super) fn with_rates(self, rates: Option<&'a [Vec<Vec<f64>>]>) -> Self {
         Self { rates, ..self }
     }

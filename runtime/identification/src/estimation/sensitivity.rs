@@ -10,7 +10,7 @@ pub(crate) struct Sensitivity {
     pub(super) joints: Vec<JointSensitivity>,
 }
 
-/// Sums over the equations of a joint.
+/// Sums of products over the samples of one joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct JointSensitivity {
     /// Indices of the parameters with a column in the joint's equation.

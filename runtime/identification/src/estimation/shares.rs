@@ -44,7 +44,7 @@ pub(crate) struct Columns {
     layout: Layout,
 }
 
-/// Sums over one share, or over one piece of a log.
+/// Sums of products over one share (a group of samples of all logs), or over one piece of a log.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ShareSums {
     pub(crate) samples: usize,
@@ -116,7 +116,8 @@ impl Columns {
         ]
     }
 
-    /// Sums over each piece. The mean of each column over its run is subtracted, except for joints with a quaternion.
+    /// Sums of products over each piece of the runs. The mean of each column over its run is subtracted,
+    /// except for joints with a quaternion.
     ///
     /// - `filter`: filter of the efforts, which the columns of friction also pass
     /// - `of`: weights and residuals of the samples
@@ -234,10 +235,11 @@ fn add_lost(lost: &mut [f64; 2], weights: &[f64], squared: [&[f64]; 2]) {
 pub(crate) struct SharedData<'a> {
     pub(crate) robot: &'a dyn Robot,
     pub(crate) settings: &'a EstimationSettings,
-    /// Gravity in the logs. The file of the sums contains it, and the settings are not used.
+    /// Part of the robot's weight that the logged efforts contain. The value comes from the file of the sums,
+    /// not from the settings.
     pub(crate) gravity: Gravity,
     pub(crate) columns: &'a Columns,
-    /// Shares that have samples.
+    /// Sums of each share (group of samples) that has samples.
     pub(crate) shares: &'a [ShareSums],
     /// Correlation time of the residuals [samples].
     pub(crate) correlation_time: f64,
@@ -301,7 +303,8 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
     Ok(SharedEstimate { estimate, friction: (0..layout.joints).map(|j| found.friction(j)).collect() })
 }
 
-/// Sums in the form that the fit needs. The columns of measured forces have the mean zero.
+/// Converts sums of the shares to the form that the fit needs. The columns of measured forces have the mean
+/// zero.
 fn sums_of(layout: &Layout, shares: &[ShareSums]) -> Sums {
     let of_estimate = |share: &ShareSums| -> Vec<DMatrix<f64>> {
         let part = |(joint, products): (usize, &DMatrix<f64>)| {
@@ -372,7 +375,8 @@ impl Found<'_> {
         &self.fitted.chosen.centred.all[joint]
     }
 
-    /// Σ (1 − w) r² and Σ (1 − w)(z − z̄)² in units of force.
+    /// Sums of squares that the reduced weights w of outliers remove, in units of force: Σ (1 − w) r² and Σ
+    /// (1 − w)(z − z̄)², with the residual r and the measured effort z.
     fn lost(&self, joint: usize) -> [f64; 2] {
         let sum = |which: usize| self.data.shares.iter().map(|share| share.lost[joint][which]).sum::<f64>();
         [0, 1].map(|which| self.gain(joint).powi(2) * sum(which))

@@ -23,7 +23,7 @@ pub(super) struct Piece {
     pub(super) rows: Range<usize>,
 }
 
-/// Sums over a piece for each joint: sum of the weights, and sums of the weighted columns.
+/// Sums over a piece of a run for each joint: the sum of the weights, and the sums of the weighted columns.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PieceSums {
     pub(super) run: usize,
@@ -32,13 +32,14 @@ pub(super) struct PieceSums {
     pub(super) columns: Vec<DVector<f64>>,
 }
 
-/// Sums of products for each fold and joint, and the sums of the pieces.
+/// Sums of products of the columns for each fold and joint, and sums of the columns for each piece of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Sums {
     pub(super) folds: Vec<Vec<DMatrix<f64>>>,
     pub(super) pieces: Vec<PieceSums>,
     pub(super) samples: usize,
-    /// The same sums without samples near stops. Gains are estimated from these sums. `None` if no gain is estimated.
+    /// Sums of products without samples near stops, from which gains are estimated. `None` if no gain is
+    /// estimated.
     pub(super) away: Option<Box<Sums>>,
 }
 

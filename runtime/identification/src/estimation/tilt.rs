@@ -82,8 +82,8 @@ struct Turning<'a> {
 }
 
 impl Turning<'_> {
-    /// Writes into the regressor the gravity columns under this gravity minus those under the described one, and the columns
-    /// of the angles.
+    /// Adds to the regressor the gravity columns under this gravity minus those under the described gravity,
+    /// and the columns of the angles.
     fn add(&self, y: &[f64], joints: usize, regressor: &mut [f64]) {
         let count = self.pi.len();
         let turned = at_rest(self.robot, y, joints, self.gravity - self.described);

@@ -24,14 +24,15 @@ pub struct PlannedInput {
 
 /// Number of intervals into which a joint's range is divided. Dead centres are searched at the ends of the intervals.
 const PLACES: u32 = 200;
-/// The inputs of a robot with inputs at frames.
+/// Limits of the inputs of a robot with inputs at frames (for example cylinders).
 pub(super) struct FrameInputs<'a> {
     robot: &'a dyn Robot,
     torques: Torques,
 }
 
 impl<'a> FrameInputs<'a> {
-    /// Returns `None` if all inputs are drives. The limits of drives are checked at joints and shafts.
+    /// Returns the inputs with a share of their limits; `None` if all inputs are drives. The limits of drives
+    /// are checked at joints and shafts.
     ///
     /// - `share`: usable share of the described limits
     pub(super) fn of(robot: &'a dyn Robot, share: f64) -> Option<Self> {

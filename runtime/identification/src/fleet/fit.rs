@@ -128,7 +128,7 @@ impl LogMoments {
         Err(fault("they were made by another version of gelenk: reduce the logs again with this version"))
     }
 
-    /// Sums of the shares that have samples. A share is a group of samples of many logs.
+    /// Sums of products of the shares that have samples. A share is a group of samples of many logs.
     ///
     /// # Errors
     /// [`IdentificationError::File`] if there are too few of these shares.

@@ -31,7 +31,7 @@ pub struct LogMoments {
     /// Doubts of the fits to single logs, ascending by joint and kind.
     pub(super) doubts: Vec<Doubt>,
     pub(super) joints: Vec<JointFacts>,
-    /// The shares. Their number is [`SHARES`].
+    /// Sums of products of each share (group of samples), [`SHARES`] entries.
     pub(super) shares: Vec<Share>,
 }
 
@@ -111,7 +111,7 @@ pub(super) struct Share {
     pub(super) joints: Vec<JointSums>,
 }
 
-/// Sums of one joint.
+/// Sums of products of one joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct JointSums {
     /// Σ w, with the weights w of the samples.
@@ -214,7 +214,7 @@ impl LogMoments {
 }
 
 impl Doubt {
-    /// Key by which doubts are distinguished.
+    /// Joint and kind of a doubt, by which doubts are distinguished.
     pub(super) fn place(&self) -> (Option<u32>, &str) {
         (self.joint, &self.kind)
     }

@@ -23,14 +23,18 @@ const NO_HELD_OUT: Rule = Rule::warning("no-held-out-error");
 /// Errors on folds to which the law was not fitted.
 #[derive(Debug, Clone)]
 pub(super) struct HeldOutErrors {
-    /// `Σ r²` and number of samples of each fold.
+    /// Sum of squared residuals Σ r² and number of samples of each fold.
     pub(super) folds: Vec<[f64; 2]>,
-    /// `Σ (τ − τ̄)²` over the folds.
+    /// `Σ (τ − τ̄)²` over the folds, with the torque τ and its mean τ̄.
     pub(super) total: f64,
 }
 
 impl HeldOutErrors {
-    /// `1 − (RSS + more) / (Σ (τ − τ̄)² + more)` with the residual sum of squares RSS; `None` if the torque never changes.
+    /// Share of the torque's variation that laws explain on held-out data, `1 − (RSS + more) / (Σ (τ − τ̄)² +
+    /// more)`, with the residual sum of squares RSS and the torque τ with the mean τ̄; `None` if the torque
+    /// never changes.
+    ///
+    /// - `more`: sum of squares that outliers add
     pub(super) fn r_squared(&self, more: f64) -> Option<f64> {
         let residual: f64 = self.folds.iter().map(|[residual, _]| residual).sum();
         let total = self.total + more;
@@ -50,7 +54,7 @@ impl HeldOutErrors {
 /// Each run keeps the offset of all its samples, even if a part of the run is held out. An offset belongs to a run, and a law
 /// cannot predict it.
 ///
-/// - `total`: `Σ (τ − τ̄)²` over the folds
+/// - `total`: `Σ (τ − τ̄)²` over the folds, with the torque τ and its mean τ̄
 /// - `selection`: method by which the terms of a law are chosen
 /// - `rows`: constraints of a law
 pub(super) fn held_out(
@@ -68,7 +72,8 @@ pub(super) fn held_out(
     }
 }
 
-/// Σ r² and number of samples of each fold, for laws that were chosen and fitted without the fold.
+/// Sum of squared residuals Σ r² and number of samples of each fold, for laws that were chosen and fitted
+/// without the fold.
 fn by_folds(folds: &[Moments], selection: &Selection, rows: Option<&DMatrix<f64>>) -> Result<Vec<[f64; 2]>> {
     let of_split = |split: Result<(Moments, &Moments)>| {
         let (training, fold) = split?;

@@ -22,7 +22,7 @@ pub enum LambdaChoice {
 /// Method by which a friction law is identified.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FrictionMethod {
-    /// Least squares on all terms of the library.
+    /// Least squares on all candidate terms.
     LeastSquares,
     /// Sequentially thresholded least squares (STLS, as in SINDy).
     Thresholding(Thresholding),
@@ -84,13 +84,14 @@ impl Selection {
     }
 }
 
-/// The solution, refitted with the terms that its terms require.
+/// The solution, refitted with further terms that its terms require: an asymmetry `|f(v)|` requires `f(v)`.
 fn completed(solution: Solution, reduced: &Reduced) -> Result<Solution> {
     let active = with_needed(solution.active.clone(), reduced);
     if active == solution.active { Ok(solution) } else { reduced.fit(0, &active) }
 }
 
-/// A set of terms, extended by the terms that its terms require ([`requirements`]).
+/// A set of terms, extended by the terms that they require: an asymmetry `|f(v)|` requires `f(v)`
+/// ([`requirements`]).
 fn with_needed(mut active: Vec<usize>, reduced: &Reduced) -> Vec<usize> {
     for requirement in requirements(reduced.moments().names()) {
         if active.contains(&requirement.term) && !active.contains(&requirement.needs) {

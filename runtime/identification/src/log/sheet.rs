@@ -24,7 +24,7 @@ pub(super) struct Sheet<'a> {
     /// Fields of several rows at the beginning of the numbers.
     pub sample: Vec<Vec<String>>,
     body: Cow<'a, [u8]>,
-    /// Line of the body's first row, counted from 1.
+    /// Line of the first row of numbers, counted from 1.
     line: usize,
 }
 

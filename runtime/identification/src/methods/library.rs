@@ -111,7 +111,7 @@ impl Library {
         self.program.workspace()
     }
 
-    /// Returns the matrix Θ, with one row for each sample and one column for each term.
+    /// Returns the matrix Θ of the terms' values, with one row for each sample and one column for each term.
     ///
     /// - `channels`: samples of each channel, in the order of the library's channels
     ///
@@ -125,7 +125,7 @@ impl Library {
     }
 }
 
-/// Returns the text of a smooth sign of the velocity, `tanh(k v)`.
+/// Returns the text of a smooth sign `tanh(k v)` of the velocity v.
 pub(crate) fn smooth_sign(factor: f64) -> String {
     format!("tanh({factor}*v)")
 }

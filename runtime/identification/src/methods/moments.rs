@@ -270,19 +270,19 @@ impl Moments {
         self.products.ncols() - self.names.len()
     }
 
-    /// Returns the Gram matrix ΘᵀΘ, which is p × p.
+    /// Returns the Gram matrix ΘᵀΘ of the terms' columns Θ.
     pub(crate) fn gram(&self) -> DMatrix<f64> {
         let p = self.terms();
         self.products.view((0, 0), (p, p)).into_owned()
     }
 
-    /// Returns the projection Θᵀy of one target y.
+    /// Returns the products Θᵀy of the terms' columns Θ with one target y.
     pub(crate) fn projection(&self, target: usize) -> DVector<f64> {
         let p = self.terms();
         self.products.view((0, p + target), (p, 1)).column(0).into_owned()
     }
 
-    /// Returns the energy yᵀy of one target y.
+    /// Returns the sum of squares yᵀy of one target y.
     pub(crate) fn energy(&self, target: usize) -> f64 {
         let i = self.terms() + target;
         self.products[(i, i)]

@@ -101,8 +101,8 @@ fn check(robot: &dyn Robot, settings: &PayloadSettings) -> Result<usize> {
 struct Found {
     load: ConsistentSolution,
     covariance: DMatrix<f64>,
-    /// For each parameter, the difference between the reference and bodies at the distance 1 from the reference. The distance
-    /// is that of [`PayloadSettings::weight`].
+    /// For each parameter, the difference between the reference and a body at the distance 1 from the
+    /// reference, as measured by [`PayloadSettings::weight`].
     sizes: Vec<f64>,
 }
 

@@ -36,7 +36,8 @@ impl PoseSignal {
         }
     }
 
-    /// Writes the poses at `times` to the columns of y. The other columns of y are already filled.
+    /// Writes the poses at `times` to the columns of the robot's positions y. The other columns are already
+    /// filled.
     ///
     /// - `positions`: smoothed positions or paths, one column for each velocity of the robot
     pub(super) fn write(&self, times: &[f64], positions: &[Vec<f64>], y: &mut [Vec<f64>]) {

@@ -21,13 +21,17 @@ pub(super) struct Spectrum {
 struct Band {
     /// Number of frequencies (bins).
     bins: usize,
-    /// `Σ P Δf T`: power of the positions.
+    /// Power of the positions, `Σ P Δf T` with the spectral density P, the distance Δf of the frequencies,
+    /// and the duration T.
     position: f64,
-    /// `Σ ω⁴ P Δf T`: power of the accelerations.
+    /// Power of the accelerations, `Σ ω⁴ P Δf T` with the angular frequency ω, the spectral density P of the
+    /// position, the distance Δf of the frequencies, and the duration T.
     acceleration: f64,
-    /// `Σ Δf T`: power of white noise of the position with density one.
+    /// Power of white noise of the position with density one, `Σ Δf T` with the distance Δf of the
+    /// frequencies, and the duration T.
     white: f64,
-    /// `Σ ω⁴ Δf T`: power of the acceleration of white noise of the position with density one.
+    /// Power of the acceleration of white noise of the position with density one, `Σ ω⁴ Δf T` with the
+    /// angular frequency ω, the distance Δf of the frequencies, and the duration T.
     white_acceleration: f64,
 }
 

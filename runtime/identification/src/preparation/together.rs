@@ -43,7 +43,7 @@ struct EffortFit<'a> {
     products: DVector<f64>,
     variation: f64,
     weight: f64,
-    /// ln(1 − R²) of the measured effort.
+    /// ln(1 − R²) of the measured effort, with R² of the common fit.
     score: f64,
 }
 

@@ -42,9 +42,10 @@ pub struct FrictionTerm {
 /// Friction torque τ(v) of a joint as a function of its velocity v, in a form that descriptions can contain.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FrictionLaw {
-    /// `Σ coefficient · basis(v)` over the terms.
+    /// Sum of terms `Σ coefficient · basis(v)` with the velocity v.
     Terms(Vec<FrictionTerm>),
-    /// `a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)` with the parameters a1 … a5.
+    /// Stribeck law `a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)` with the velocity v and the
+    /// parameters a1 … a5.
     Stribeck(Box<[FrictionTerm; 5]>),
 }
 

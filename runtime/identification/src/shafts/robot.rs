@@ -60,7 +60,7 @@ impl<'a> RobotRows<'a> {
         self.of_shafts().map_or(0, |rows| rows.joint_terms().len())
     }
 
-    /// Values of the joints' friction terms at a motion of the joints.
+    /// Values of the described friction terms of replaced joints at a motion of the joints.
     fn term_values(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
         let mut values = vec![0.0; self.terms()];
         self.robot.joint_term_values(y, v, &mut values);

@@ -158,7 +158,7 @@ fn compound(word: &str) -> Option<[&str; 2]> {
     })
 }
 
-/// Returns a letter in the spelling of the table.
+/// Returns a letter without its accent, as in the table of words: `é` is `e`, `ß` is `ss`.
 fn without_accent(letter: char) -> impl Iterator<Item = char> {
     const ACCENTS: [(&str, &str); 8] = [
         ("àáâä", "a"),

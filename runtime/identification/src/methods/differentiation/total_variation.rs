@@ -27,28 +27,31 @@ pub struct TotalVariation {
     pub epsilon: Option<f64>,
     /// Largest number of iterations.
     pub iterations: usize,
-    /// Largest change of a sample of s at which the iterations end, as a share of the signal's range.
+    /// Largest change of a sample of the smoothed signal at which the iterations end, as a share of the
+    /// signal's range.
     pub tolerance: f64,
 }
 
-/// Rule for the weight γ.
+/// Rule for the weight γ of the variation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Regularization {
-    /// A given weight γ.
+    /// A given weight γ of the variation.
     Weight(f64),
-    /// Standard deviation σ of the noise. By the discrepancy principle (Morozov 1966), γ is the largest weight for which
-    /// `rms(s − f)` does not exceed σ, apart from a margin for chance.
+    /// Standard deviation σ of the signal's noise. By the discrepancy principle (Morozov 1966), the weight γ
+    /// of the variation is the largest one for which the rms of the smoothed minus the measured signal does
+    /// not exceed σ, apart from a margin for chance.
     Noise(f64),
 }
 
-/// Minimizer of the functional, with its derivative between the samples.
+/// Smoothed signal that minimizes the total-variation functional, with its derivative between the samples.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct TotalVariationResult {
     /// Smoothed signal s at the samples.
     pub signal: Vec<f64>,
-    /// Slopes `(sᵢ₊₁ − sᵢ)/Δtᵢ` between the samples. There is one entry less than in the signal.
+    /// Slopes `(sᵢ₊₁ − sᵢ)/Δtᵢ` of the smoothed signal s between the samples. There is one entry less than in
+    /// the signal.
     pub derivative: Vec<f64>,
-    /// Weight γ.
+    /// Weight γ of the variation.
     pub gamma: f64,
     /// Number of iterations.
     pub iterations: usize,
@@ -115,7 +118,7 @@ impl TotalVariation {
         })
     }
 
-    /// Computes the minimizer of the functional.
+    /// Computes the smoothed signal that minimizes the total-variation functional.
     ///
     /// # Errors
     /// The errors are those of [`Self::differentiate`].
@@ -148,7 +151,7 @@ struct Problem<'a, const W: usize> {
     root: Root,
 }
 
-/// Penalty on the divided difference d.
+/// Penalty on a divided difference d of the smoothed signal.
 #[derive(Clone, Copy)]
 enum Root {
     /// `√(d² + ε)`
@@ -240,7 +243,8 @@ impl<'a, const W: usize> Problem<'a, W> {
         TotalVariationResult { signal: s, derivative, gamma, iterations }
     }
 
-    /// Computes the lower band of `I + γ Δt Dᵀ W D`.
+    /// Computes the lower band of `I + γ Δt Dᵀ W D`, with the weight γ, the period Δt, the divided difference
+    /// D and the weights W at the signal s.
     fn assemble(&self, gamma: f64, s: &[f64], band: &mut Band<W>) {
         band.fill(std::array::from_fn(|k| if k == 0 { 1.0 } else { 0.0 }));
         let weight = gamma * self.step;

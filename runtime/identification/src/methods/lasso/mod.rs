@@ -14,7 +14,7 @@ use super::moments::Moments;
 use descent::{Problem, State};
 use nalgebra::{DMatrix, DVector};
 
-/// Converts λ of `1/(2N) ‖y − Θ ξ‖² + λ ‖ξ‖₁` to λ' of `‖y − Θ ξ‖² + λ' ‖ξ‖₁`.
+/// Converts λ of `1/(2N) ‖y − Θ ξ‖² + λ ‖ξ‖₁` to λ' of `‖y − Θ ξ‖² + λ' ‖ξ‖₁`, for N samples.
 pub(crate) fn paper_lambda(lambda: f64, samples: usize) -> f64 {
     2.0 * samples as f64 * lambda
 }
@@ -51,7 +51,7 @@ impl Default for Lasso {
 pub struct LassoPath {
     /// Values of λ, descending.
     pub lambdas: Vec<f64>,
-    /// Coefficients ξ of the p terms: one row for each term, one column for each λ.
+    /// Coefficients ξ of the terms: one row for each term, one column for each λ.
     pub coefficients: DMatrix<f64>,
     /// Duality gap of each solution: an upper bound of its objective minus the smallest objective.
     pub gaps: Vec<f64>,
