@@ -37,7 +37,7 @@ impl Correlation {
 
     /// Adds a residual. Returns the number of correlated samples that have the information of one independent sample.
     ///
-    /// - `share`: position relative to the range that is divided into cells
+    /// - `share`: position relative to the range of positions, which is divided into cells
     /// - `keep`: decay factor of the sums from one sample to the next
     pub(super) fn take(&mut self, residual: f64, share: f64, forwards: bool, keep: f64) -> f64 {
         let cell = cell(share, forwards);

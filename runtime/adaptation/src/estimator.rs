@@ -52,7 +52,8 @@ impl<const N: usize> DescribedForces<N> {
     }
 }
 
-/// State of the learned law of a joint, for logs and figures. The [crate](super) defines the learned and the acting law.
+/// State of the learned law of a joint, for logs and figures. The learned law is estimated from the motion.
+/// The acting law, which controllers use, follows the learned law or the described law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointState {
     /// Coefficients δ of the learned law within their bounds, one for each of the [`terms`].
@@ -358,7 +359,7 @@ impl<const N: usize> Adaptation<N> {
         Some(described + dot(&phi, &state.acting))
     }
 
-    /// Values of the [`terms`] at velocity `v` without load.
+    /// Values of the learned law's [`terms`] at velocity `v` without load.
     fn terms(&self, joint: usize, described: f64, v: f64) -> Option<[f64; TERMS]> {
         let scale = self.scales[joint].as_ref()?;
         Some(terms(scale.shape(described, v, self.rest(joint)), v, 0.0))

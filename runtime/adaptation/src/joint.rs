@@ -29,7 +29,7 @@ pub(super) const QUANTILE: f64 = 1.645;
 pub(super) struct Derived {
     pub bounds: [f64; TERMS],
     pub prior: [f64; TERMS],
-    /// Variances of the terms before the first sample, averaged over the nested laws.
+    /// Variances of the terms' coefficients before the first sample, averaged over the nested laws.
     pub unknown: [f64; TERMS],
     /// Weight of a new sample in the filter.
     pub weight: f64,
@@ -108,7 +108,7 @@ pub(super) struct Joint {
     pub filter: LowPass,
     pub bank: Bank,
     pub comparison: Comparison,
-    /// Average of the nested laws.
+    /// Average of the nested laws, which have the first 0, 1, … terms of the learned law.
     pub law: Gaussian,
     /// Coefficients δ of the learned law: mean of `law` within its bounds.
     pub learned: [f64; TERMS],
@@ -242,7 +242,8 @@ impl Joint {
         self.average(derived, scale);
     }
 
-    /// Computes the average over rates of drift and nested laws.
+    /// Computes the average law over the rates of drift and over the nested laws, which have the first 0, 1,
+    /// … terms.
     fn average(&mut self, derived: &Derived, scale: &JointScale) {
         self.law = averaged(&self.bank.average(), &derived.prior);
         self.bound(derived, scale);

@@ -26,11 +26,12 @@ pub struct Scene {
 /// Symbol of a coordinate; indices count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SceneSymbol {
-    /// Position yᵢ.
+    /// Position with this index, written yᵢ.
     Position(usize),
-    /// Velocity ẏᵢ of a joint with a quaternion. No position entry corresponds to this velocity.
+    /// Velocity with this index, written ẏᵢ, of a joint with a quaternion. No position entry corresponds to
+    /// this velocity.
     Velocity(usize),
-    /// Position dᵢ of a driven joint, whose motion is prescribed.
+    /// Position with this index, written dᵢ, of a driven joint, whose motion is prescribed.
     Driven(usize),
 }
 

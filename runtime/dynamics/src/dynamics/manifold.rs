@@ -222,8 +222,10 @@ pub(super) fn same<const A: usize, const B: usize>(entries: &[f64; A]) -> &[f64;
     entries.first_chunk().unwrap_or(const { &[f64::NAN; B] })
 }
 
-/// Computes the positions `y ⊕ d` after a motion from y with the constant velocities d for one second. `widths` are the numbers
-/// of position entries of the joints. If `widths` is empty, the robot has no quaternions, and the result is `y + d`.
+/// Computes the positions `y ⊕ d` after a motion from y with the constant velocities d for one second.
+///
+/// - `widths`: number of position entries of each joint. If it is empty, the robot has no quaternions, and
+///   the result is `y + d`.
 #[inline]
 pub fn integrate<const J: usize, const N: usize, const NY: usize>(
     widths: &[usize; J],
@@ -237,8 +239,9 @@ pub fn integrate<const J: usize, const N: usize, const NY: usize>(
     manifold::integrate(widths, y, d)
 }
 
-/// Computes `to ⊖ from`: the constant velocities that lead from `from` to `to` in one second. `widths` is the same as in
-/// [`integrate`].
+/// Computes `to ⊖ from`: the constant velocities that lead from `from` to `to` in one second.
+///
+/// - `widths`: number of position entries of each joint; empty for a robot without quaternions
 #[inline]
 pub fn difference<const J: usize, const N: usize, const NY: usize>(
     widths: &[usize; J],
@@ -252,8 +255,9 @@ pub fn difference<const J: usize, const N: usize, const NY: usize>(
     manifold::difference(widths, from, to)
 }
 
-/// Derivatives of `y ⊕ d` with respect to small displacements of y and with respect to d. `widths` is the same as in
-/// [`integrate`].
+/// Derivatives of `y ⊕ d` with respect to small displacements of y and with respect to d.
+///
+/// - `widths`: number of position entries of each joint; empty for a robot without quaternions
 #[inline]
 pub fn integrate_derivatives<const J: usize, const N: usize>(
     widths: &[usize; J],
@@ -262,8 +266,9 @@ pub fn integrate_derivatives<const J: usize, const N: usize>(
     if J == 0 { (diagonal(1.0), diagonal(1.0)) } else { manifold::integrate_derivatives(widths, d) }
 }
 
-/// Derivatives of `d = to ⊖ from` with respect to small displacements of `to` and of `from`. `widths` is the same as in
-/// [`integrate`].
+/// Derivatives of `d = to ⊖ from` with respect to small displacements of `to` and of `from`.
+///
+/// - `widths`: number of position entries of each joint; empty for a robot without quaternions
 #[inline]
 pub fn difference_derivatives<const J: usize, const N: usize>(
     widths: &[usize; J],
@@ -272,8 +277,10 @@ pub fn difference_derivatives<const J: usize, const N: usize>(
     if J == 0 { (diagonal(1.0), diagonal(-1.0)) } else { manifold::difference_derivatives(widths, d) }
 }
 
-/// Computes the Lie bracket `ad_a b` of the velocities a and b of each joint; 0 for joints without a quaternion. `widths` is the
-/// same as in [`integrate`].
+/// Computes the Lie bracket `ad_a b` of the velocities a and b of each joint; 0 for joints without a
+/// quaternion.
+///
+/// - `widths`: number of position entries of each joint; empty for a robot without quaternions
 #[inline]
 pub fn bracket<const J: usize, const N: usize>(widths: &[usize; J], a: &[f64; N], b: &[f64; N]) -> [f64; N] {
     if J == 0 { [0.0; N] } else { manifold::bracket(widths, a, b) }

@@ -75,7 +75,7 @@ pub(super) fn solve<const N: usize, const M: usize>(matrix: &mut [[f64; N]; N], 
     }
 }
 
-/// Product `a b`.
+/// Product of the matrices a and b.
 #[inline]
 pub(super) fn times<const N: usize, const C: usize>(a: &[[f64; N]; N], b: &[[f64; C]; N]) -> [[f64; C]; N] {
     let mut result = [[0.0; C]; N];
