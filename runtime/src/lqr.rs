@@ -84,7 +84,8 @@ pub enum LqrError {
     /// A number is NaN or infinite.
     #[error("the system or its weights contain a number that is not finite")]
     NotFinite,
-    /// `R + BᵀPB` is not positive definite.
+    /// `R + BᵀPB` is not positive definite, with the input weights R, the input matrix B and the cost-to-go
+    /// P.
     #[error("R + BᵀPB is not positive definite; choose a positive definite input weight")]
     NotPositive,
     /// The Riccati equation has no stabilizing solution. Either (A, B) is not stabilizable, or a mode of A on or
@@ -111,12 +112,14 @@ pub struct Lqr<const NX: usize, const NU: usize> {
     pub gain: [[f64; NX]; NU],
     /// Stabilizing solution P of the Riccati equation. `xᵀPx` is the cost from the state x.
     pub cost_to_go: [[f64; NX]; NX],
-    /// Largest residual of the Riccati equation, relative to the largest entry of P.
+    /// Largest residual of the Riccati equation, relative to the largest entry of its solution P.
     pub residual: f64,
-    /// Upper bound of the rounding error of `residual`, also relative to the largest entry of P. The bound is
-    /// `2 NX ε (|Q| + |K|ᵀ|R||K| + Wᵀ|P|W)` with `W = |A| + |B||K|` and the machine precision ε.
+    /// Upper bound of the rounding error of `residual`, also relative to the largest entry of the solution P.
+    /// The bound is `2 NX ε (|Q| + |K|ᵀ|R||K| + Wᵀ|P|W)` with `W = |A| + |B||K|`, the system matrices A and
+    /// B, the weights Q and R, the gain K and the machine precision ε.
     pub rounding: f64,
-    /// Lower bound α = 1/√λ_max(I + R⁻¹BᵀPB) of the return difference, see [`margins`](Self::margins).
+    /// Lower bound α = 1/√λ_max(I + R⁻¹BᵀPB) of the return difference, with the input weights R, the input
+    /// matrix B and the cost-to-go P. The [`margins`](Self::margins) follow from α.
     pub return_difference: f64,
 }
 
@@ -217,7 +220,7 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
         Margins { gain: [1.0 / (1.0 + alpha), 1.0 / (1.0 - alpha)], phase: 2.0 * (0.5 * alpha).asin() }
     }
 
-    /// The input `K x` for the state x.
+    /// The input `K x` for the state x, with the gain K.
     pub fn input(&self, state: &[f64; NX]) -> [f64; NU] {
         self.gain.map(|row| row.iter().zip(state).map(|(k, x)| k * x).sum())
     }
@@ -251,10 +254,12 @@ impl<const NX: usize, const NU: usize> TimeVaryingLqr<NX, NU> {
         }
     }
 
-    /// Computes the gains by the backward recursion from `P_N = terminal_weight` to P_0.
+    /// Computes the gains by the backward recursion of the cost-to-go matrices from `P_N = terminal_weight`
+    /// to P_0.
     ///
     /// # Errors
-    /// [`LqrError::NotPositive`] if `R + BᵀPB` is not positive definite. The gains are then undefined.
+    /// [`LqrError::NotPositive`] if `R + BᵀPB` is not positive definite, with the input weights R, the input
+    /// matrix B and the cost-to-go P of a stage. The gains are then undefined.
     pub fn solve(
         &mut self,
         state_weight: &[[f64; NX]; NX],
@@ -265,12 +270,13 @@ impl<const NX: usize, const NU: usize> TimeVaryingLqr<NX, NU> {
         self.riccati.regulate().map_err(|_| LqrError::NotPositive)
     }
 
-    /// Gain `K_k`; zeros beyond the horizon.
+    /// Gain `K_k` of stage k; zeros beyond the horizon.
     pub fn gain(&self, k: usize) -> [[f64; NX]; NU] {
         if k < self.horizon { self.riccati.gain(k) } else { [[0.0; NX]; NU] }
     }
 
-    /// Matrix `P_0`. The cost of the horizon is `x_0ᵀ P_0 x_0`.
+    /// Cost-to-go matrix `P_0` of the first stage. The cost of the horizon is `x_0ᵀ P_0 x_0` for the initial
+    /// state x_0.
     pub fn cost_to_go(&self) -> [[f64; NX]; NX] {
         self.riccati.cost_to_go()
     }
@@ -324,14 +330,16 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         Err(LqrError::NotStabilizable(residual))
     }
 
-    /// The gain `−(R + BᵀPB)⁻¹ BᵀPA` of a cost-to-go P.
+    /// The gain `−(R + BᵀPB)⁻¹ BᵀPA` of a cost-to-go P, with the input weights R and the system matrices A
+    /// and B.
     fn gain_of(&mut self, cost: &SMatrix<f64, NX, NX>) -> Result<SMatrix<f64, NU, NX>, LqrError> {
         self.recursion.solve(&rows(&self.q), &rows(&self.r), &rows(cost))?;
         Ok(matrix(&self.recursion.gain(0)))
     }
 
-    /// The infinite-horizon cost of a gain, `Σ (A_cᵀ)ᵏ (Q + KᵀRK) A_cᵏ`. Each step doubles the number of
-    /// terms. `None` if the sum does not converge.
+    /// The infinite-horizon cost of a gain K, `Σ (A_cᵀ)ᵏ (Q + KᵀRK) A_cᵏ` with the weights Q and R and the
+    /// closed-loop matrix `A_c = A + B K`. Each step doubles the number of terms. `None` if the sum does not
+    /// converge.
     fn cost_of(&self, gain: &SMatrix<f64, NU, NX>) -> Option<SMatrix<f64, NX, NX>> {
         let mut power = self.a + self.b * gain;
         let mut sum = self.q + gain.transpose() * self.r * gain;
@@ -392,7 +400,7 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         Ok((-0.5 * log).exp().clamp(0.0, 1.0))
     }
 
-    /// Whether the powers of `A + B K` converge to 0.
+    /// Whether the powers of the closed-loop matrix `A + B K` converge to 0.
     fn is_stable(&self, gain: &SMatrix<f64, NU, NX>) -> bool {
         let mut power = self.a + self.b * gain;
         for _ in 0..40 {

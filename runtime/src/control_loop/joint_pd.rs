@@ -85,7 +85,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joi
         self.feed_forward.set_model(model)
     }
 
-    /// The forces `K_p (y_d ⊖ y) + K_d (ẏ_d − ẏ)`.
+    /// The feedback forces `K_p (y_d ⊖ y) + K_d (ẏ_d − ẏ)` with the gains K_p and K_d, the desired motion
+    /// y_d, ẏ_d and the measured state y, ẏ.
     fn restoring_forces(
         &self,
         desired: &Sample<N, NY>,

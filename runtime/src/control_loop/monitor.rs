@@ -112,7 +112,7 @@ pub(super) struct Situation<'a, const N: usize> {
     pub velocities: &'a [f64; N],
     /// Time since the positions were measured (s).
     pub age: f64,
-    /// Following error y ⊖ y_d.
+    /// Following error, the measured positions minus the desired positions (`y ⊖ y_d`).
     pub error: &'a [f64; N],
     pub dependent: DependentMotion<'a, N>,
 }
