@@ -317,7 +317,8 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
     }
 }
 
-/// Entry (i, k) of the matrix (A_d, B_d).
+/// Entry (i, k) of the derivatives of the state after a period with respect to the state before (A_d) and the
+/// inputs (B_d), as one matrix (A_d, B_d).
 fn sensitivity<const N: usize, const M: usize, const NY: usize>(
     step: &Step<N, M, NY>,
     i: usize,

@@ -61,11 +61,13 @@ pub enum PredictionRule {
 /// horizon if an optimal regulator without limits controls the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum TerminalWeight {
-    /// P solves the discrete Riccati equation. A solution exists if the inputs can reduce all errors to zero.
+    /// The terminal weight P solves the discrete Riccati equation. A solution exists if the inputs can reduce
+    /// all errors to zero.
     #[default]
     Riccati,
-    /// P solves the Riccati equation with a discount. The cost at the time t after the end of the horizon is
-    /// multiplied by e^(−t/τ). This means that √γ A and √γ B with γ = e^(−T/τ) and the period T replace A and B.
+    /// The terminal weight P solves the Riccati equation with a discount. The cost at the time t after the
+    /// end of the horizon is multiplied by e^(−t/τ). This means that √γ A and √γ B replace the state matrix A
+    /// and the input matrix B, with γ = e^(−T/τ) and the period T.
     ///
     /// Use this weight for robots with a part that no input can control, for example the momentum of a free-floating
     /// body. The errors of this part remain, so their cost would be infinite without discount. Set the weights of
@@ -82,7 +84,7 @@ pub enum TerminalWeight {
 }
 
 impl TerminalWeight {
-    /// Factor √γ of A and B for `period` (s); 1 without discount.
+    /// Factor √γ of the state matrix A and the input matrix B for `period` (s); 1 without discount.
     pub(super) fn discount(self, period: f64) -> f64 {
         match self {
             Self::Riccati => 1.0,

@@ -14,9 +14,9 @@ const ROUNDING: f64 = 1e-9;
 
 #[derive(Debug, Clone)]
 pub(super) struct Reference<const N: usize, const M: usize, const NY: usize> {
-    /// Desired states x_ref at the K + 1 nodes of the horizon.
+    /// Desired states x_ref at the K + 1 nodes of a horizon of K periods.
     pub nodes: Vec<Node<N, NY>>,
-    /// Desired state in the middle of each of the K periods.
+    /// Desired state in the middle of each period of the horizon.
     pub middles: Vec<Sample<N, NY>>,
     /// Feed-forward u_ff in the middle of each period.
     pub inputs: Vec<[f64; M]>,
@@ -103,8 +103,9 @@ impl<const N: usize, const M: usize, const NY: usize> Reference<N, M, NY> {
         passed
     }
 
-    /// Sets the start to `start` (s). Returns the number of periods since the previous start, or K if the difference is
-    /// not a whole number of periods below K.
+    /// Sets the start to `start` (s). Returns the number of periods since the previous start. If the
+    /// difference is not a whole number of periods within the horizon, the result is the number K of periods
+    /// in the horizon.
     fn begin(&mut self, start: f64) -> usize {
         let periods = self.inputs.len();
         let since = (start - self.time(0.0)) / self.period;

@@ -47,7 +47,8 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     pub(super) equalities: Equalities<V>,
     /// Whether penalties have replaced hard bounds and rows.
     pub(super) softened: bool,
-    /// Vectors `c_k` of the dynamics. c_0 includes `A_0 x_0`.
+    /// Affine terms `c_k` of the dynamics `x⁺ = A x + B u + c`. c_0 includes the contribution `A_0 x_0` of
+    /// the initial state.
     pub(super) affine: Vec<V>,
     /// Gap that always counts as zero, see [`QpSettings::tolerance`].
     pub(super) negligible: f64,
@@ -140,18 +141,18 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// Input `u_k` of the solution; zeros for `k ≥ N`.
+    /// Input `u_k` of the solution; zeros beyond the last stage.
     pub(super) fn input(&self, k: usize) -> [f64; NU] {
         if k < self.horizon { self.solution.input(k) } else { [0.0; NU] }
     }
 
-    /// State `x_k` of the solution for `1 ≤ k ≤ N`, computed from the inputs by the dynamics; zeros for other
-    /// `k`.
+    /// State `x_k` of the solution after k of the N stages, `1 ≤ k ≤ N`, computed from the inputs by the
+    /// dynamics; zeros for other `k`.
     pub(super) fn state(&self, k: usize) -> [f64; NX] {
         if (1..=self.horizon).contains(&k) { self.solution.state(k - 1) } else { [0.0; NX] }
     }
 
-    /// Multipliers `[lower, upper]` of the bounds of `u_k`, all ≥ 0; zeros for `k ≥ N`.
+    /// Multipliers `[lower, upper]` of the bounds of the input `u_k`, all ≥ 0; zeros beyond the last stage.
     pub(super) fn input_multipliers(&self, k: usize) -> [[f64; 2]; NU] {
         core::array::from_fn(
             |i| {
@@ -160,7 +161,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         )
     }
 
-    /// Multipliers `[lower, upper]` of the bounds of `x_k` for `1 ≤ k ≤ N`, all ≥ 0; zeros for other `k`.
+    /// Multipliers `[lower, upper]` of the bounds of the state `x_k` after k of the N stages, `1 ≤ k ≤ N`,
+    /// all ≥ 0; zeros for other `k`.
     pub(super) fn state_multipliers(&self, k: usize) -> [[f64; 2]; NX] {
         let padded = Self::RX * WIDTH;
         let inside = (1..=self.horizon).contains(&k);
@@ -171,7 +173,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         )
     }
 
-    /// Multipliers `[lower, upper]` of the rows of node `k` for `0 ≤ k ≤ N`, all ≥ 0; zeros for other `k`.
+    /// Multipliers `[lower, upper]` of the rows of node `k`, `0 ≤ k ≤ N` for N stages, all ≥ 0; zeros for
+    /// other `k`.
     pub(super) fn row_multipliers(&self, k: usize) -> [[f64; 2]; NR] {
         let place = (self.horizon * Self::RX + k * lanes(NR)) * WIDTH;
         core::array::from_fn(|r| {

@@ -32,7 +32,7 @@ use crate::no_std::*;
 pub(super) struct Bounds<V> {
     sides: Vec<[Side<V>; 2]>,
     soft: Vec<[Softening<V>; 2]>,
-    /// Largest diagonal term `W_max` and its inverse.
+    /// Largest diagonal term `W_max` of the Newton system, and its inverse.
     cap: [V; 2],
 }
 
@@ -51,9 +51,10 @@ impl<V: Vector> Bounds<V> {
         self.soft.fill(Default::default());
     }
 
-    /// Sets the largest diagonal term `W_max` of the Newton system. With larger terms, smaller weights would lose digits
-    /// (`R` in `R + BᵀWB`). A step that uses `λ/W_max` instead of a smaller slack is still a Newton step to second
-    /// order, because `dλ` vanishes at the optimum.
+    /// Sets the largest diagonal term `W_max` of the Newton system. With larger terms, smaller weights would
+    /// lose digits, for example the input weights `R` in `R + BᵀWB`. A step that uses `λ/W_max` with the
+    /// multiplier λ instead of a smaller slack is still a Newton step to second order, because `dλ` vanishes
+    /// at the optimum.
     pub(super) fn cap_weights(&mut self, cap: f64) {
         self.cap = [V::splat(cap), V::splat(1.0 / cap)];
     }
@@ -134,7 +135,7 @@ impl<V: Vector> Bounds<V> {
     }
 
     /// First pass: sets `weight` to the diagonal barrier term and `rhs` to the gradient of the affine step.
-    /// Returns `Σ sλ`, `max |r|` and the largest multiplier.
+    /// Returns `Σ sλ` of the slacks s and multipliers λ, the largest residual, and the largest multiplier.
     #[inline(always)]
     fn linearize_as<const SOFT: bool>(
         &mut self,
@@ -155,7 +156,8 @@ impl<V: Vector> Bounds<V> {
         tally.totals()
     }
 
-    /// Second pass: affine steps. Returns `Σ ds dλ` and the inverse step to the boundary.
+    /// Second pass: affine steps. Returns `Σ ds dλ` of the steps of slacks and multipliers, and the inverse
+    /// step to the boundary.
     #[inline(always)]
     fn predictor_as<const SOFT: bool>(&mut self, dz: &[V]) -> Totals {
         let mut tally = Tally::new();

@@ -15,10 +15,10 @@ pub(super) const PATIENCE: usize = 3;
 /// State at the start of an iteration.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct State {
-    /// Quadratic part `zᵀHz` of the cost, and the cost.
+    /// Quadratic part `zᵀHz` of the cost with the Hessian H at the iterate z, and the cost.
     pub(super) quadratic: f64,
     pub(super) cost: f64,
-    /// `Σ sλ`, and the largest residual of a bound or row.
+    /// Sum `Σ sλ` over slacks s and multipliers λ, and the largest residual of a bound or row.
     pub(super) gap: f64,
     pub(super) residual: f64,
     /// Largest multiplier.
@@ -45,7 +45,7 @@ pub(super) struct Run {
     pub(super) cap: f64,
     /// Largest diagonal term relative to the largest multiplier.
     pub(super) stiffness: f64,
-    /// Remaining share `Π (1 − α)` of the dual residual.
+    /// Share `Π (1 − α)` of the dual residual that remains after steps of the lengths α.
     pub(super) shrink: f64,
     pub(super) iterations: usize,
     /// Number of iterations after which the present start ends.
