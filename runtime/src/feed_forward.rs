@@ -55,7 +55,7 @@ pub enum FeedForwardError {
     /// Positions, velocities or the equations of motion are not finite.
     #[error("the trajectory or the equations of motion are not finite at {time} s")]
     NotFinite {
-        /// Time (s).
+        /// Time of the sample that is not finite (s).
         time: f64,
     },
     /// The sampling period is not positive and finite.

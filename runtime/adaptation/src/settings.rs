@@ -100,7 +100,7 @@ pub enum AdaptationError {
         name: &'static str,
         /// Value of the setting.
         value: f64,
-        /// Allowed values.
+        /// Allowed values of the setting, as text.
         needed: &'static str,
     },
     /// The bounds of a parameter of the load are not finite, or 0 is not between them. The value is the index of the parameter,

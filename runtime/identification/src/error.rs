@@ -30,7 +30,7 @@ pub enum IdentificationError {
         what: String,
         /// First row with a value that is not finite, counted from 0.
         row: usize,
-        /// Value in this row.
+        /// Value that is not finite.
         value: f64,
         /// Number of rows with a value that is not finite.
         count: usize,
@@ -58,7 +58,7 @@ pub enum IdentificationError {
         what: String,
         /// Smallest number of samples that the method needs.
         needed: usize,
-        /// Given number of samples.
+        /// Number of samples that were given.
         got: usize,
     },
     /// Two lengths that must be equal differ.
@@ -66,9 +66,9 @@ pub enum IdentificationError {
     Shape {
         /// Name of the quantities whose lengths are compared.
         what: String,
-        /// Expected length.
+        /// Length that was expected.
         expected: usize,
-        /// Given length.
+        /// Length that was given.
         got: usize,
     },
     /// A setting is outside its range.

@@ -129,7 +129,7 @@ impl Identification {
 /// Friction of a joint, or of a shaft that replaces the joint in the equations.
 #[derive(Debug, Clone)]
 pub struct JointFriction {
-    /// Index of the joint.
+    /// Index of the joint, or of the joint that the shaft replaces.
     pub joint: usize,
     /// Name of the joint, or of the drive whose shaft replaces the joint.
     pub name: String,

@@ -272,8 +272,8 @@ impl FollowerLimits {
         offset + followed.map(|(ratio, value)| ratio * value).sum::<f64>()
     }
 
-    /// Index, allowed range of positions and allowed speed of the joint that this joint follows; `None` if it
-    /// follows several joints.
+    /// Index of the followed joint, and the range of positions and the speed of that joint with which this
+    /// joint keeps its limits. `None` if this joint follows several joints.
     pub(crate) fn allowed(&self) -> Option<(usize, [f64; 2], f64)> {
         let mut followed = self.ratios.iter().enumerate().filter(|(_, ratio)| **ratio != 0.0);
         let ((joint, ratio), None) = (followed.next()?, followed.next()) else { return None };

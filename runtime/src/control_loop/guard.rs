@@ -46,7 +46,7 @@ pub enum EncoderFault {
         joint: usize,
         /// Name of the joint.
         name: &'static str,
-        /// Distance that the desired position has moved in this time [rad or m].
+        /// Distance that the desired position has moved while the measured position was constant [rad or m].
         desired: f64,
     },
     /// The measured velocity is not finite, or differs too much from the rate of change of the positions.

@@ -14,11 +14,11 @@ pub enum LimitFault {
         joint: usize,
         /// Name of the joint.
         name: &'static str,
-        /// Position [rad or m].
+        /// Position of the joint [rad or m].
         position: f64,
         /// Position at which the brakes would stop the joint [rad or m].
         stopping: f64,
-        /// Lower and upper limit [rad or m].
+        /// Lower and upper limit of the position [rad or m].
         limits: [f64; 2],
         /// Name of the setting with these limits.
         setting: &'static str,
@@ -30,9 +30,9 @@ pub enum LimitFault {
         joint: usize,
         /// Name of the joint.
         name: &'static str,
-        /// Speed [rad/s or m/s].
+        /// Speed of the joint [rad/s or m/s].
         speed: f64,
-        /// Limit [rad/s or m/s].
+        /// Limit of the speed [rad/s or m/s].
         limit: f64,
         /// Name of the setting with this limit.
         setting: &'static str,

@@ -77,7 +77,7 @@ where
 {
     pub(super) settings: LoopSettings<N, M>,
     pub(super) period: Duration,
-    /// Period (s).
+    /// Period of the loop (s).
     pub(super) seconds: f64,
     /// Names of joints and inputs, for messages.
     pub(super) joints: [&'static str; N],
@@ -422,7 +422,7 @@ where
     }
 }
 
-/// Time of each stage.
+/// Measured duration of each stage of a period.
 struct Stopwatch {
     last: Duration,
     stages: [Duration; STAGES],

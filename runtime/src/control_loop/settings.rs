@@ -232,9 +232,9 @@ pub struct SettingError {
     pub name: &'static str,
     /// Name of the joint or input; `None` for settings of the whole loop.
     pub of: Option<&'static str>,
-    /// Given value.
+    /// Value that is out of range.
     pub value: f64,
-    /// Allowed range.
+    /// Allowed range of the setting, as text.
     pub range: &'static str,
 }
 

@@ -70,7 +70,8 @@ pub enum MpcNote {
     Alternating {
         /// Name of the joint.
         joint: &'static str,
-        /// Predicted ratio of the velocity after a period to the velocity before the period; negative.
+        /// Predicted ratio of the velocity after a period to the velocity before the period. The ratio is
+        /// negative.
         share: f64,
     },
     /// The Riccati equation of a terminal weight was not solved to rounding accuracy. The weight is the cost

@@ -8,8 +8,8 @@ use crate::dynamics::{Discretizable, Dynamics, Step};
 /// independent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObserverOptions<const N: usize, const M: usize> {
-    /// Standard deviation of a measured position [rad or m], > 0. The rounding error of an encoder has the standard
-    /// deviation resolution/√12; add other noise.
+    /// Standard deviation of a measured position [rad or m], > 0. It is resolution/√12 for the rounding error
+    /// of an encoder, plus other noise.
     pub encoder_noise: [f64; N],
     /// Standard deviation of the part of the velocity change in a period that the model does not explain [rad/s or
     /// m/s], ≥ 0.

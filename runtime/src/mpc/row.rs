@@ -269,7 +269,7 @@ pub(super) fn range<const M: usize>(factors: &[f64; M], limits: &[[f64; 2]; M]) 
 pub enum RowFault {
     /// A coefficient is infinite or NaN.
     NotFinite {
-        /// Value of the coefficient.
+        /// Coefficient that is infinite or NaN.
         value: f64,
     },
     /// The limits do not form an interval for one of these reasons:
@@ -278,16 +278,16 @@ pub enum RowFault {
     /// - the lower limit is above the upper limit, or is +∞, or the upper limit is −∞
     /// - a limit divided by the largest coefficient overflows
     Sides {
-        /// Lower limit.
+        /// Lower limit of the row.
         lower: f64,
-        /// Upper limit.
+        /// Upper limit of the row.
         upper: f64,
     },
     /// All coefficients are zero, and zero is not between the limits.
     Zero {
-        /// Lower limit.
+        /// Lower limit of the row.
         lower: f64,
-        /// Upper limit.
+        /// Upper limit of the row.
         upper: f64,
     },
     /// The row contains a position of a joint with a quaternion.

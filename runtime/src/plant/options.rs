@@ -76,7 +76,7 @@ impl<const N: usize, const M: usize> Default for PlantOptions<N, M> {
     }
 }
 
-/// Largest delay in periods.
+/// Largest delay of the inputs, in periods.
 const MAX_DELAY: usize = 1000;
 
 impl<const N: usize, const M: usize> PlantOptions<N, M> {
@@ -179,9 +179,9 @@ pub enum PlantError {
         option: &'static str,
         /// Name of the joint or input; `None` for options of the whole plant.
         of: Option<&'static str>,
-        /// Value that was given.
+        /// Value of the option that is out of range.
         value: f64,
-        /// Allowed range.
+        /// Allowed range of the option, as text.
         range: &'static str,
     },
     /// A start position or velocity is NaN or infinite.

@@ -22,14 +22,14 @@ const LEAST_WIDTH: f64 = 1e-10;
 /// Choice of the first iterate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Start {
-    /// The unconstrained optimum.
+    /// The first iterate is the unconstrained optimum.
     Cold,
-    /// The last solution.
+    /// The first iterate is near the last solution.
     Near,
-    /// A point deep inside the bounds, with cautious steps. This start is for problems that the other starts do not
-    /// solve.
+    /// The first iterate is deep inside the bounds, and the steps are cautious. This start is for problems
+    /// that the other starts do not solve.
     Deep,
-    /// The unconstrained optimum. Penalties replace hard state bounds and rows.
+    /// The first iterate is the unconstrained optimum, and penalties replace hard state bounds and rows.
     Relaxed,
 }
 

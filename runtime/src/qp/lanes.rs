@@ -10,7 +10,7 @@
 use crate::no_std::*;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-/// Numbers per lane.
+/// Number of floating-point numbers in a lane.
 pub(crate) const WIDTH: usize = 4;
 
 /// Lanes that need no processor features beyond those for which the crate is compiled.

@@ -145,7 +145,7 @@ pub struct QpProblem<const NX: usize, const NU: usize, const NR: usize = 0> {
     pub row_penalty: [Option<Penalty>; NR],
     /// Rows of the last state `x_N`, without inputs.
     pub terminal_rows: QpRows<NX, 0, NR>,
-    /// Stages 0 … N−1.
+    /// Stages 0 … N−1 of the horizon.
     pub stages: Vec<QpStage<NX, NU, NR>>,
 }
 

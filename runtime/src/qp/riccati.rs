@@ -188,8 +188,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// Factorizes with the diagonal terms of inputs, states and rows in `weight`. `affine` are the vectors c_k of
-    /// `x⁺ = A x + B u + c`; c_0 includes `A_0 x_0`. If `affine` is given, the solution for these vectors is prepared too.
+    /// Factorizes with the diagonal terms of inputs, states and rows in `weight`. If `affine` is given, the
+    /// solution for dynamics `x⁺ = A x + B u + c` with these affine terms c is prepared too. The first affine
+    /// term includes the contribution of the initial state.
     ///
     /// # Errors
     /// [`NotPositive`] if a pivot is not positive.

@@ -4,7 +4,8 @@ use super::names::Named;
 use core::fmt;
 use gelenk_kernels::manifold;
 
-/// Value of `NY` for a module without this constant, in which positions and velocities have the same number of entries.
+/// Value of `NY` for a module without the constant `NY`. Its positions and velocities have the same number of
+/// entries.
 pub const NO_POSITIONS: usize = usize::MAX;
 
 /// Value of `JOINT_POSITIONS` for a module without this constant.

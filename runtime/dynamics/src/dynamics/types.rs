@@ -272,7 +272,7 @@ fn smaller(a: f64, b: f64) -> f64 {
 
 /// Conversion from the results `T` of a function of a module.
 pub trait OfResults<T> {
-    /// Converts the results.
+    /// Converts the results of a generated function.
     fn of(results: T) -> Self;
 }
 

@@ -222,7 +222,7 @@ impl Chosen<'_> {
 }
 
 impl<'a> Chosen<'a> {
-    /// This choice of the model, fitted to other sums of products with new weights.
+    /// Fits the chosen model, with new weights, to other sums of products.
     pub(super) fn with_sums<'b>(&self, sums: &'b Sums, prior: &Prior) -> Result<Chosen<'b>>
     where
         'a: 'b,
@@ -232,7 +232,7 @@ impl<'a> Chosen<'a> {
         Ok(other)
     }
 
-    /// This choice and its weights for other sums of products, not fitted yet.
+    /// Uses the chosen model and its weights for other sums of products, without a fit.
     pub(super) fn over<'b>(&self, sums: &'b Sums) -> Chosen<'b>
     where
         'a: 'b,
@@ -240,7 +240,7 @@ impl<'a> Chosen<'a> {
         self.with_more(self.centred.layout, sums, 1.0)
     }
 
-    /// This choice with additional inertial parameters, not fitted yet.
+    /// Adds inertial parameters to the chosen model, without a fit.
     ///
     /// - `trust`: factor of the weight that holds each additional parameter at zero
     pub(super) fn with_more<'b>(&self, layout: &'b Layout, sums: &'b Sums, trust: f64) -> Chosen<'b> {

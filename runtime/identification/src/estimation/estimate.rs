@@ -389,7 +389,8 @@ impl Task<'_> {
         Ok(report.estimate(doubts.into_iter().map(Finding::accepted).collect()))
     }
 
-    /// Doubts about the fit.
+    /// Findings that raise doubts about the fit, from other explanations of the data and from checks of the
+    /// residuals.
     ///
     /// - `judged`: fit to the sums of moving samples, and its held-out errors
     /// - `held_out`: R² of each joint on held-out data

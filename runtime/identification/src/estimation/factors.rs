@@ -47,7 +47,7 @@ pub(super) fn factors(case: &Case) -> Result<Vec<Change>> {
     Ok(found)
 }
 
-/// The factor of a joint's effort with the least held-out error, and this error.
+/// The factor of a joint's effort with the least held-out error, and the least error.
 fn best(case: &Case, joint: usize, factors: impl Iterator<Item = f64>) -> Result<(f64, f64)> {
     let mut best = (1.0, f64::INFINITY);
     for factor in factors {

@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 /// repetitions are usually enough.
 const ROUNDS: usize = 8;
 
-/// Weights of the fit.
+/// Weights of the joints' equations and of the description in the fit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Weighting {
     /// Standard deviation of each joint's residual, in units of the measured effort times B.
@@ -39,7 +39,7 @@ impl Weighting {
     }
 }
 
-/// Errors on held-out data.
+/// Errors of a fit on held-out data, for each fold and for each joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct HeldOut {
     /// Sum of RSS / σ² over the joints, for each fold, with the residual sum of squares RSS and the variance

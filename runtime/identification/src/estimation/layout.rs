@@ -104,7 +104,7 @@ impl Layout {
         Ok(Self { measured, ..layout }.without_resting_currents())
     }
 
-    /// The layout of an estimate with these settings.
+    /// The layout of an estimate with given settings.
     ///
     /// - `steepness`: factors k of the Coulomb terms tanh(k v) of each joint
     /// - `loads`: whether there is a term of load-dependent friction
@@ -224,7 +224,7 @@ impl Layout {
         global >= self.delay(0)
     }
 
-    /// Number of delays.
+    /// Number of unknown delays of the efforts.
     pub(super) fn delay_count(&self) -> usize {
         self.delays.iter().map(|delay| delay + 1).max().unwrap_or(0)
     }
@@ -264,7 +264,7 @@ impl Layout {
         if self.exact[joint] { Offsets::None } else { measured }
     }
 
-    /// Number of unknowns.
+    /// Number of all unknowns: inertial parameters, candidate terms and delays.
     pub(super) fn len(&self) -> usize {
         self.parameters + self.joints * self.terms + self.delay_count()
     }

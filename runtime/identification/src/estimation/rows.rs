@@ -68,12 +68,12 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// These rows with rates of the efforts, which a first fit has predicted.
+    /// Sets the rates of the efforts that a first fit has predicted.
     pub(super) fn with_rates(self, rates: Option<&'a [Vec<Vec<f64>>]>) -> Self {
         Self { rates, ..self }
     }
 
-    /// These rows with the change of the regressor that belongs to a hypothesis.
+    /// Sets the change of the regressor that belongs to a hypothesis.
     pub(super) fn with_more(self, more: Option<More<'a>>) -> Self {
         let added = vec![0.0; more.map_or(0, |_| self.layout.joints * self.layout.parameters)];
         Self { more, added, ..self }

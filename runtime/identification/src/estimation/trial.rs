@@ -43,7 +43,7 @@ pub(super) enum Change {
     Unit(&'static str),
     /// The efforts contain this part of the robot's weight.
     Gravity(Gravity),
-    /// Gravity is this vector.
+    /// Gravity has this vector in the axes of the base [m/s²].
     Tilt(Vector3<f64>),
     /// Joint j has the columns of joint `order[j]`.
     Order(Vec<usize>),
@@ -216,7 +216,7 @@ impl<'a> Case<'a> {
 
     /// The choice of terms with a change, not fitted yet.
     ///
-    /// - `data`: data with the change, if it changes them
+    /// - `data`: data with the change; `None` if the change does not affect the data
     pub(super) fn changed<'b>(&'b self, change: &Change, data: Option<&'b Data>) -> Chosen<'b> {
         let (layout, sums) =
             data.map_or((self.layout(), self.chosen.centred.sums), |data| (&data.layout, &data.sums));

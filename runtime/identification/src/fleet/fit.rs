@@ -98,7 +98,7 @@ impl LogMoments {
     /// Fails unless the moments belong to a description.
     ///
     /// # Errors
-    /// [`IdentificationError::File`] if they belong to another description.
+    /// [`IdentificationError::File`] if the moments belong to another description.
     pub(super) fn require_description(&self, description: &[&[u8]]) -> Result<()> {
         if hexadecimal(&self.about.description) == hash_of(description) {
             return Ok(());
@@ -131,7 +131,7 @@ impl LogMoments {
     /// Sums of products of the shares that have samples. A share is a group of samples of many logs.
     ///
     /// # Errors
-    /// [`IdentificationError::File`] if there are too few of these shares.
+    /// [`IdentificationError::File`] if there are too few shares with samples.
     fn share_sums(&self, columns: &Columns) -> Result<Vec<ShareSums>> {
         let fewest = levels::FEWEST_SHARES.get();
         let filled = self.shares.iter().filter(|share| share.samples > 0);

@@ -17,7 +17,7 @@ const OF_LOGS: Rule = Rule::warning("doubts-of-logs");
 /// Number of shares to which the pieces of logs belong. Shares are the folds of the held-out error and the blocks of
 /// intervals.
 pub(super) const SHARES: usize = 16;
-/// A SHA-256.
+/// The 32 bytes of a SHA-256.
 pub(super) type Hash = [u8; 32];
 
 /// Moments of one or several logs: sums of products of the columns of each joint's equation (regressor and measured force). The

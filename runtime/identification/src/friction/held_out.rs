@@ -41,7 +41,7 @@ impl HeldOutErrors {
         (total > 0.0).then(|| 1.0 - (residual + more) / total)
     }
 
-    /// Mean over the folds of the mean squared error, and the standard error of this mean.
+    /// Mean squared error, averaged over the folds, and the standard error of the average.
     pub(super) fn error(&self) -> [f64; 2] {
         let errors = self.folds.iter().map(|[residual, samples]| residual / samples.max(1.0));
         mean_with_error(&errors.collect::<Vec<_>>())

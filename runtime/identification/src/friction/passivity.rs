@@ -64,8 +64,8 @@ fn rows_beyond(library: &Library, end: f64) -> Result<DMatrix<f64>> {
     Ok(DMatrix::from_rows(&all))
 }
 
-/// The given solution, or the constrained least-squares solution if the given one violates the constraints; and the active
-/// constraints.
+/// Returns the given solution, or the constrained least-squares solution if the given one violates the
+/// constraints. Also returns the active constraints.
 ///
 /// - `rows`: matrix A of the constraints `A ξ ≥ 0` on the coefficients ξ; `None` if there are no constraints
 pub(super) fn restrict(

@@ -26,8 +26,8 @@ pub enum FrictionMethod {
     LeastSquares,
     /// Sequentially thresholded least squares (STLS, as in SINDy).
     Thresholding(Thresholding),
-    /// LASSO with 100 weights λ of the penalty, of which cross-validation on contiguous blocks chooses one; then least squares
-    /// on the chosen terms.
+    /// LASSO with 100 weights λ of the penalty. Cross-validation on contiguous blocks chooses one weight, and
+    /// least squares is applied to the chosen terms.
     Lasso(Lasso, LambdaChoice),
     /// The subset with the fewest terms whose error on held-out blocks exceeds the least error by at most one standard error.
     /// The library must have at most twelve terms.

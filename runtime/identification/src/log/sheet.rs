@@ -15,9 +15,9 @@ pub(super) struct Sheet<'a> {
     pub units: Vec<Option<String>>,
     /// Number of fields in a row of numbers.
     pub width: usize,
-    /// Field separator.
+    /// Character that separates the fields.
     pub separator: u8,
-    /// Decimal sign.
+    /// Decimal sign of the numbers.
     pub decimals: Decimals,
     /// Fields of the first row of numbers, for messages and for names of joints.
     pub first: Vec<String>,

@@ -12,7 +12,7 @@ use super::moments::{Moments, splits};
 /// Solutions of the LASSO for several weights λ of the penalty, with their errors in cross-validation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrossValidation {
-    /// Solutions for all samples. The λ have the scale of glmnet and scikit-learn.
+    /// Solutions for all samples. λ has the scale of glmnet and scikit-learn.
     pub path: LassoPath,
     /// Mean squared error on the held-out block, averaged over the folds, for each λ.
     pub mean_error: Vec<f64>,

@@ -169,7 +169,7 @@ impl Moments {
     /// Computes the sums over all samples.
     ///
     /// # Errors
-    /// - [`IdentificationError::NotFinite`]: a value is not finite; the error names its column and row
+    /// - [`IdentificationError::NotFinite`] with column and row: a value is not finite
     /// - [`IdentificationError::Overflow`]: squares overflow
     pub fn new(samples: &Samples) -> Result<Self> {
         Ok(Self::blocks(samples, 1)?.remove(0))

@@ -222,7 +222,7 @@ impl<'a> Recorded<'a> {
         }
     }
 
-    /// Smooths all pieces.
+    /// Smooths all pieces of the runs.
     ///
     /// - `split`: bandwidth in Hz that decides how runs are split into pieces
     pub(super) fn smooth(&self, how: &Smoothing, split: f64) -> Result<Vec<Smoothed>> {

@@ -11,7 +11,7 @@ use super::grid::{Piece, interpolate};
 use super::poses::PoseSignal;
 use super::rest::Rests;
 
-/// Channels of a run.
+/// Measured signals of a run, each reduced to its informative samples.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Signals {
     pub name: String,
@@ -24,7 +24,7 @@ pub(super) struct Signals {
     plain: Vec<Option<usize>>,
     pub efforts: Vec<Channel>,
     pub effort: Effort,
-    /// Rests of the joints.
+    /// Time intervals in which each joint rests.
     pub rests: Rests,
     /// Median time step of the log in s.
     pub step: f64,

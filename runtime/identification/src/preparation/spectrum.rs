@@ -19,7 +19,7 @@ pub(super) struct Spectrum {
 /// position, Δf the distance of the frequencies, and ω = 2π f.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Band {
-    /// Number of frequencies (bins).
+    /// Number of frequencies (bins) in the band.
     bins: usize,
     /// Power of the positions, `Σ P Δf T` with the spectral density P, the distance Δf of the frequencies,
     /// and the duration T.

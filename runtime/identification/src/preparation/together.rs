@@ -12,7 +12,7 @@ const LEAST_SHARE: f64 = 1e-12;
 pub(super) struct Efforts {
     /// Efforts that passed the filter of the positions.
     pub filtered: Vec<DVector<f64>>,
-    /// Efforts as they were measured.
+    /// Measured efforts, which passed no filter.
     pub measured: Vec<DVector<f64>>,
 }
 

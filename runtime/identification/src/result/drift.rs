@@ -21,7 +21,7 @@ const NAMED_CHANGE: f64 = 0.02;
 /// Linear change of a quantity from the first to the last sample, over the index of the sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Trend {
-    /// Last minus first value.
+    /// Last minus first value of the linear trend.
     pub(crate) change: f64,
     /// Standard error of the change, which takes the correlation of the residuals into account.
     pub(crate) standard_error: f64,

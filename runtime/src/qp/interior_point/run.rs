@@ -21,11 +21,11 @@ pub(super) struct State {
     /// Sum `Σ sλ` over slacks s and multipliers λ, and the largest residual of a bound or row.
     pub(super) gap: f64,
     pub(super) residual: f64,
-    /// Largest multiplier.
+    /// Largest multiplier of a bound or row.
     pub(super) force: f64,
 }
 
-/// Quantities of a run.
+/// State of a run of the method from one iteration to the next.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Run {
     pub(super) start: Start,
@@ -37,7 +37,7 @@ pub(super) struct Run {
     pub(super) crawl: usize,
     /// Whether the problem has soft bounds or rows.
     pub(super) soft: bool,
-    /// Number of complementarity pairs.
+    /// Number of complementarity pairs, for example of a slack and its multiplier.
     pub(super) count: f64,
     /// Gap at the start.
     pub(super) start_gap: f64,

@@ -147,7 +147,7 @@ pub enum CanFrameError {
     /// A value is not finite, or exceeds the range of its count. A count has four bytes, or two bytes for a force.
     #[error("the value {value} is not finite, or too large for the resolution {resolution}")]
     Range {
-        /// Value that was given.
+        /// Value that does not fit in its count.
         value: f64,
         /// Resolution, which is the unit of a count.
         resolution: f64,

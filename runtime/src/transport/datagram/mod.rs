@@ -173,9 +173,9 @@ pub enum DatagramError {
     /// A byte has an invalid value: the kind, the brakes, the contents or padding.
     #[error("byte {position} of the datagram has the invalid value {value}")]
     Byte {
-        /// Index of the byte.
+        /// Index of the invalid byte.
         position: usize,
-        /// Value of the byte.
+        /// Value of the invalid byte.
         value: u8,
     },
     /// An input is NaN or infinite.
@@ -211,7 +211,7 @@ impl<const N: usize, const M: usize, const NY: usize> Message<N, M, NY> {
         }
     }
 
-    /// Value of byte 21 of this datagram.
+    /// Byte 21 of the datagram: measured quantities, or frame of a push.
     fn contents(&self) -> u8 {
         match self {
             Self::Measured { velocities, torques, .. } => {

@@ -154,9 +154,9 @@ struct Problem<'a, const W: usize> {
 /// Penalty on a divided difference d of the smoothed signal.
 #[derive(Clone, Copy)]
 enum Root {
-    /// `√(d² + ε)`
+    /// Penalty `√(d² + ε)` on a divided difference d, with the constant ε.
     Smoothed(f64),
-    /// `½ d²`, to estimate the scale of the signal.
+    /// Penalty `½ d²` on a divided difference d, to estimate the scale of the signal.
     Quadratic,
 }
 

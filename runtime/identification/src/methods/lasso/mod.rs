@@ -49,7 +49,7 @@ impl Default for Lasso {
 /// Solutions of the LASSO for a sequence of weights λ of the penalty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LassoPath {
-    /// Values of λ, descending.
+    /// Weights λ of the penalty, descending.
     pub lambdas: Vec<f64>,
     /// Coefficients ξ of the terms: one row for each term, one column for each λ.
     pub coefficients: DMatrix<f64>,
