@@ -22,8 +22,8 @@ use thiserror::Error;
 pub struct FeedForwardInput<const N: usize, const M: usize> {
     /// Feed-forward inputs u_ff [N m, N or A].
     pub inputs: [f64; M],
-    /// Residual force `M ÿ + k − q − B u_ff` that no input can produce [N m or N]. It is zero if the input
-    /// matrix B is regular.
+    /// Force that the motion requires but no input can produce [N m or N]. It is zero if the input matrix is
+    /// regular.
     pub residual: [f64; N],
 }
 

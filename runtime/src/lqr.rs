@@ -70,9 +70,10 @@ const MAX_REFINEMENTS: usize = 20;
 /// Number of squarings of a matrix. The trace of the resulting power then gives the largest eigenvalue with a
 /// relative error of 1e-15 · ln(32).
 const EIGENVALUE_DOUBLINGS: usize = 50;
-/// Largest accepted residual of the Riccati equation relative to P, unless its rounding error is larger.
+/// Largest accepted residual of the Riccati equation relative to its solution, unless the rounding error of
+/// the residual is larger.
 const RESIDUAL: f64 = 1e-9;
-/// Largest accepted residual relative to P, for every rounding error.
+/// Largest accepted residual of the Riccati equation relative to its solution, for every rounding error.
 const WORST_RESIDUAL: f64 = 1e-6;
 
 /// Reason why a regulator cannot be computed.
@@ -88,9 +89,9 @@ pub enum LqrError {
     /// P.
     #[error("R + BᵀPB is not positive definite; choose a positive definite input weight")]
     NotPositive,
-    /// The Riccati equation has no stabilizing solution. Either (A, B) is not stabilizable, or a mode of A on or
-    /// outside the unit circle does not appear in the cost. The number is the relative residual after the last
-    /// iteration.
+    /// The Riccati equation has no stabilizing solution. Either the inputs cannot stabilize the system, or a
+    /// mode of the system on or outside the unit circle does not appear in the cost. The number is the
+    /// relative residual after the last iteration.
     #[error(
         "the Riccati equation has no stabilizing solution (residual {0:.1e}): check that every unstable \
          mode is controllable and appears in the state weight"
@@ -105,7 +106,8 @@ pub enum LqrError {
     Inaccurate(f64),
 }
 
-/// Infinite-horizon regulator `u = K x` of the system `x⁺ = A x + B u` with the cost `Σ xᵀQx + uᵀRu`.
+/// Infinite-horizon regulator `u = K x` of the system `x⁺ = A x + B u` with the cost `Σ xᵀQx + uᵀRu` of the
+/// states x and the inputs u.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lqr<const NX: usize, const NU: usize> {
     /// Gain K of `u = K x`, row by row. The minus sign of the feedback is included.
@@ -145,9 +147,10 @@ impl fmt::Display for Margins {
 }
 
 impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
-    /// Computes the regulator by solving the discrete algebraic Riccati equation. Matrices are given row by row. Q
-    /// must be positive semidefinite, and R positive definite. The solution is accepted if its relative residual
-    /// is below 1e-9, or below 1e-6 and below its rounding error.
+    /// Computes the regulator by solving the discrete algebraic Riccati equation. Matrices are given row by
+    /// row. The state weights Q must be positive semidefinite, and the input weights R positive definite. The
+    /// solution is accepted if its relative residual is below 1e-9, or below 1e-6 and below its rounding
+    /// error.
     ///
     /// # Errors
     /// [`LqrError`] for wrong sizes, numbers that are not finite, an R that is not positive definite, or an
@@ -308,8 +311,8 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         Ok(Self { a: matrix(a), b: matrix(b), q: matrix(q), r: matrix(r), recursion })
     }
 
-    /// A stabilizing gain. The doubling algorithm computes it. If the doubling algorithm fails, the Riccati recursion
-    /// that starts at Q computes the gain.
+    /// A stabilizing gain by the doubling algorithm. If this algorithm fails, the Riccati recursion that
+    /// starts at the state weights Q computes the gain.
     fn stabilizing_gain(&mut self) -> Result<SMatrix<f64, NU, NX>, LqrError> {
         if let Some(cost) = self.doubling()?
             && let Ok(gain) = self.gain_of(&cost)
@@ -358,9 +361,9 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         None
     }
 
-    /// The right-hand side `Q + KᵀRK + (A + BK)ᵀ P (A + BK)` of the Riccati equation for the optimal gain K. In
-    /// contrast to the usual form, this form has no cancellation. An error of K has only a second-order effect
-    /// (Anderson, Moore 1990, section 3.3).
+    /// The right-hand side `Q + KᵀRK + (A + BK)ᵀ P (A + BK)` of the Riccati equation for the optimal gain K
+    /// of the cost-to-go P. In contrast to the usual form, this form has no cancellation. An error of K has
+    /// only a second-order effect (Anderson, Moore 1990, section 3.3).
     fn closed_loop_cost(
         &self,
         gain: &SMatrix<f64, NU, NX>,

@@ -6,7 +6,7 @@ use super::law::TERMS;
 /// torque.
 pub(super) const SIGNALS: usize = TERMS + 2;
 
-/// Low-pass filter with two equal poles, 1/(τ s + 1)², in discrete time.
+/// Low-pass filter 1/(τ s + 1)² with two equal poles of the time constant τ, in discrete time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LowPass<const S: usize = SIGNALS> {
     pub states: [[f64; S]; 2],
@@ -17,7 +17,8 @@ impl<const S: usize> LowPass<S> {
 
     /// Filters one sample of all signals.
     ///
-    /// - `weight`: weight of the new sample, T/(T + τ)
+    /// - `weight`: weight T/(T + τ) of the new sample, with the period T and the time constant τ of the
+    ///   filter
     pub(super) fn take(&mut self, signals: &[f64; S], weight: f64) -> [f64; S] {
         let [first, second] = &mut self.states;
         for i in 0..S {

@@ -392,7 +392,8 @@ fn of_lanes<V: Vector>(numbers: [f64; WIDTH]) -> V {
     vector
 }
 
-/// Computes the sums `Σ c_k Aᵏ` over the terms of each part of the Taylor polynomial in the system matrix A.
+/// Computes the sums `Σ c_k Aᵏ` over the terms of each part of the Taylor polynomial in the system matrix A,
+/// with the coefficients c_k.
 #[inline(always)]
 fn combine<V: Vector, const N: usize, const P: usize>(
     powers: &[Half<V, N>],
@@ -434,13 +435,13 @@ fn norm<V: Vector, const N: usize, const B: usize>(blocks: &Blocks<V, N, B, N>) 
     largest
 }
 
-/// All entries, row by row.
+/// All entries of a matrix of blocks, row by row, as a mutable slice.
 #[inline(always)]
 fn entries_mut<T, const N: usize, const B: usize, const C: usize>(blocks: &mut [[[T; C]; B]; N]) -> &mut [T] {
     blocks.as_flattened_mut().as_flattened_mut()
 }
 
-/// All entries, row by row.
+/// All entries of a matrix of blocks, row by row, as a slice.
 #[inline(always)]
 fn entries<T, const N: usize, const B: usize, const C: usize>(blocks: &[[[T; C]; B]; N]) -> &[T] {
     blocks.as_flattened().as_flattened()

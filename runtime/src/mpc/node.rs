@@ -15,7 +15,7 @@ impl<const N: usize, const NY: usize> Node<N, NY> {
         self.positions.iter().chain(&self.velocities).all(|x| x.is_finite())
     }
 
-    /// Deviation `(y ⊖ y_ref, v − v_ref)` of this state from `reference`.
+    /// Deviation `(y ⊖ y_ref, v − v_ref)` of this state (y, v) from the state (y_ref, v_ref) of `reference`.
     #[inline]
     pub fn from<const M: usize, const NX: usize>(
         &self,

@@ -197,8 +197,8 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         false
     }
 
-    /// Value of the weighted sum `G_y y + G_v ẏ + G_u u` at positions y [rad or m], velocities ẏ [rad/s or
-    /// m/s] and inputs u [N m, N or A].
+    /// Value of the weighted sum at positions [rad or m], velocities [rad/s or m/s] and inputs [N m, N or A],
+    /// in the unit of the row.
     #[must_use]
     pub fn value(&self, positions: &[f64; N], velocities: &[f64; N], inputs: &[f64; M]) -> f64 {
         dot(&self.positions, positions) + dot(&self.velocities, velocities) + dot(&self.inputs, inputs)

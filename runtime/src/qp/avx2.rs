@@ -54,7 +54,7 @@ impl Neg for Avx2 {
     type Output = Self;
 }
 
-/// [`Vector::vectorized`] for [`Avx2`].
+/// Calls `work` in a function that is compiled for AVX2 with fused multiply-add.
 #[target_feature(enable = "avx2,fma")]
 #[inline(never)]
 fn vectorized<R>(work: impl FnOnce() -> R) -> R {

@@ -50,7 +50,7 @@ impl<V: Vector> Targets<V> {
         flat_mut(&mut self.target)[i] = target;
     }
 
-    /// Sets the numbers to their targets.
+    /// Sets the numbers of a vector to their target values.
     fn place(&self, z: &mut [V]) {
         if self.any {
             vectorized!(V, {
@@ -230,7 +230,8 @@ impl<V: Vector> Equalities<V> {
         }
     }
 
-    /// Adds diagonal terms and a linear cost that move the minimum to near the values.
+    /// Adds diagonal terms and a linear cost, so that the minimum of the cost is near the required values of
+    /// the states.
     pub(super) fn attract(&self, weight: &mut [V], linear: &mut [V]) {
         self.weigh(weight);
         if self.any() {

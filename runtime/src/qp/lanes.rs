@@ -126,7 +126,7 @@ pub(super) const fn lanes(n: usize) -> usize {
     n.div_ceil(WIDTH)
 }
 
-/// `n` zero lanes.
+/// Vector of `n` lanes with the value zero.
 pub(super) fn zeros<V: Vector>(n: usize) -> Vec<V> {
     vec![V::zero(); n]
 }

@@ -84,8 +84,8 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpRows<NX, NU, NR> {
     }
 }
 
-/// Data of stage `k`: dynamics `x_{k+1} = A x_k + B u_k + c`, linear cost and bounds of `u_k` and `x_{k+1}`, and rows of
-/// `x_k` and `u_k`.
+/// Data of stage `k` with the states x and the inputs u: dynamics `x_{k+1} = A x_k + B u_k + c`, linear cost
+/// and bounds of `u_k` and `x_{k+1}`, and rows of `x_k` and `u_k`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QpStage<const NX: usize, const NU: usize, const NR: usize = 0> {
     /// State matrix `A_k` of the dynamics, row by row.

@@ -63,7 +63,8 @@ pub(crate) struct Riccati<V, const NX: usize, const NU: usize> {
     pub(super) rate: Option<[[f64; NU]; NU]>,
     /// Rows of the feedback gains `K_k`.
     pub(super) k: Vec<V>,
-    /// Rows of the closed-loop matrices `Φ_k = A_k + B_k K_k`.
+    /// Rows of the closed-loop matrices `Φ_k = A_k + B_k K_k`, with the system matrices A_k and B_k and the
+    /// gains K_k.
     pub(super) phi: Vec<V>,
     /// Factors of the input Hessians `Λ D Λᵀ`: `Λ` below the diagonal and `D⁻¹` on the diagonal.
     pub(super) ldl: Vec<[[f64; NU]; NU]>,
@@ -171,7 +172,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         self.rate = rate.iter().flatten().any(|w| *w != 0.0).then_some(rate);
     }
 
-    /// Sets the dynamics of stage `k`, `x⁺ = A x + B u`.
+    /// Sets the state matrix A and the input matrix B of the dynamics `x⁺ = A x + B u` of stage `k`.
     pub(crate) fn set_stage(&mut self, k: usize, a: &[[f64; NX]; NX], b: &[[f64; NU]; NX]) {
         let x = Self::RX;
         for (row, lanes) in a.iter().zip(self.a[k * NX * x..][..NX * x].chunks_exact_mut(x)) {
@@ -225,8 +226,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         })
     }
 
-    /// Computes the recursion without barrier terms down to P_0, so that K_0 is computed too. The result is a
-    /// linear-quadratic regulator over the horizon.
+    /// Computes the recursion without barrier terms down to the first stage, whose gain is computed too. The
+    /// result is a linear-quadratic regulator over the horizon.
     ///
     /// # Errors
     /// [`NotPositive`] if a pivot is not positive.
@@ -413,8 +414,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         );
     }
 
-    /// Computes the cost-to-go matrix `P = Q + AᵀP⁺A − YᵀD⁻¹Y`. The lower blocks are computed by products,
-    /// the upper blocks by symmetry.
+    /// Computes the cost-to-go matrix `P = Q + AᵀP⁺A − YᵀD⁻¹Y` of a stage, with the state weights Q, the
+    /// state matrix A, the cost-to-go matrix P⁺ of the next stage, and the factors Y and D of the gain. The
+    /// lower blocks are computed by products, the upper blocks by symmetry.
     #[inline(always)]
     fn stage_cost_to_go(&mut self, k: usize, add_rows: impl FnOnce(&mut [V])) {
         let x = Self::RX;

@@ -123,7 +123,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         start..start + Self::RR
     }
 
-    /// Sets the values of the rows at a point: `w = C x + D u` and the contribution of the initial state.
+    /// Sets the values `w = C x + D u` of the rows at the states x and inputs u of a point, with the
+    /// contribution of the initial state.
     pub(super) fn evaluate(&self, z: &mut Trajectory<V>) {
         if NR > 0 {
             self.follow(z);

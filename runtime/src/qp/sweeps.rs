@@ -141,7 +141,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// Computes the states of `x⁺ = A x + B u + c` from the inputs. c_0 includes `A_0 x_0`.
+    /// Computes the states of the dynamics `x⁺ = A x + B u + c` from the inputs u, with the affine terms c.
+    /// The first affine term includes the contribution of the initial state.
     pub(crate) fn roll_out(&self, z: &mut Trajectory<V>, affine: &[V]) {
         vectorized!(V, {
             let mut state = [V::zero(); MAX_LANES];

@@ -78,8 +78,8 @@ pub fn plain_positions<const N: usize, const NY: usize>(
     positions
 }
 
-/// Returns the rates ẏ = T(y) v of the positions. Linear velocities are rotated to the frame of the parent. A quaternion q has the
-/// rate `q̇ = ½ q (ω, 0)` with the angular velocity ω.
+/// Returns the rates `ẏ = T(y) v` of the positions y for the velocities v. Linear velocities are rotated to
+/// the frame of the parent. A quaternion q has the rate `q̇ = ½ q (ω, 0)` with the angular velocity ω.
 ///
 /// - `joints`: joints with quaternions, in order
 pub fn position_rates<const N: usize, const NY: usize>(

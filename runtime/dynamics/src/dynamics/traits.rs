@@ -182,10 +182,12 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         [[0.0; N]; M]
     }
 
-    /// Load-dependent friction `s₁(y, ẏ)`, as friction per unit of the load τ_l (no unit). The load of a joint is the force of its
-    /// drive minus all friction, `τ_l = M ÿ + k − gravity − springs`. The total friction is `τ + |τ_l| s₁`, see
-    /// [`load`](super::load) and [`under_load`](super::under_load), and the equations of motion are
-    /// `M ÿ + k = q + B u − |τ_l| s₁`. For most robots s₁ is zero.
+    /// Load-dependent friction `s₁(y, ẏ)`, as friction per unit of the load τ_l (no unit). The load of a
+    /// joint is the force of its drive minus all friction, `τ_l = M ÿ + k − gravity − springs` with the mass
+    /// matrix M and the Coriolis forces k. The total friction is `τ + |τ_l| s₁` with the other friction τ,
+    /// see [`load`](super::load) and [`under_load`](super::under_load). The equations of motion are `M ÿ + k
+    /// = q + B u − |τ_l| s₁` with the applied forces q and the forces B u of the inputs. For most robots s₁
+    /// is zero.
     fn load_friction(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
         defaults::load_friction(self, y, v)
     }

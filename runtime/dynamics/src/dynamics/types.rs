@@ -20,8 +20,9 @@ pub struct ForceDerivatives<const N: usize> {
 /// Forces of the inverse dynamics, their derivatives with respect to coordinates and velocities, and ∂forces/∂ÿ.
 pub type ForceDerivativesAndMass<const N: usize> = (ForceDerivatives<N>, [[f64; N]; N]);
 
-/// Linearized forward dynamics, `ÿ = A_y y + A_v ẏ + B_x u + c`. The blocks are the lower halves of the matrices in
-/// `ẋ = A x + B_x u + c` for the state x = (y, ẏ). The upper halves are `[0 I]`, 0 and 0.
+/// Linearized forward dynamics `ÿ = A_y y + A_v ẏ + B_x u + c` with the blocks A_y, A_v and B_x and the
+/// affine term c. The blocks are the lower halves of the matrices in `ẋ = A x + B_x u + c` for the state x =
+/// (y, ẏ). The upper halves are `[0 I]`, 0 and 0.
 ///
 /// For a robot with quaternions (NY ≠ N), let ȳ and v̄ be the positions and velocities of the linearization. The derivatives are
 /// those with respect to a small displacement δ in `y = ȳ ⊕ δ`: `v̇ = A_y δ + A_v v + B_x u + c`, so `c = v̇ − A_v v̄ − B_x ū`.
@@ -89,8 +90,9 @@ impl<const N: usize, const M: usize, const NY: usize> Linearization<N, M, NY> {
     }
 }
 
-/// Discrete-time linear system `x⁺ = A_d x + B_d u + c_d` for a period with constant inputs and the state `x = (y, ẏ)`. For a robot
-/// with quaternions (NY ≠ N) the state is `x = (δ, v)`, see [`Linearization::discretize_with`].
+/// Discrete-time linear system `x⁺ = A_d x + B_d u + c_d` for a period with constant inputs u and the state
+/// `x = (y, ẏ)`. For a robot with quaternions (NY ≠ N) the state is `x = (δ, v)` with a displacement δ of the
+/// positions and the velocities v, see [`Linearization::discretize_with`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discretization<const N: usize, const M: usize, const NY: usize = N> {
     /// State matrix A_d in blocks `[[∂y⁺/∂y, ∂y⁺/∂ẏ], [∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ]]`, with positions y⁺ and velocities ẏ⁺

@@ -16,7 +16,7 @@ const ROUNDS: usize = 8;
 /// Weights of the joints' equations and of the description in the fit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Weighting {
-    /// Standard deviation of each joint's residual, in units of the measured effort times B.
+    /// Standard deviation of each joint's residual, in units of the measured effort times the input matrix B.
     pub(super) sigma: Vec<f64>,
     /// Weight λ of the distance from the description.
     pub(super) description: f64,

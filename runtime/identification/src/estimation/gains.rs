@@ -33,7 +33,8 @@ use nalgebra::{DMatrix, DVector};
 /// Smallest usable share of the squared described force that friction and inertia do not explain. A smaller share is due to
 /// rounding.
 const LEAST: f64 = 1e-6;
-/// Longest step of ln K, largest number of steps, and step below which the iteration has settled.
+/// Longest step of the logarithm of a gain, largest number of steps, and step below which the iteration has
+/// settled.
 const STEP: f64 = 1.0;
 const STEPS: u32 = 200;
 const SETTLED: f64 = 1e-4;

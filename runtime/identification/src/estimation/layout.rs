@@ -204,7 +204,7 @@ impl Layout {
         self.input_matrix.len() / self.joints.max(1)
     }
 
-    /// The efforts that act on a joint, with their factors in B.
+    /// The efforts that act on a joint, with their factors in the input matrix B.
     pub(super) fn acting(&self, joint: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let own = (self.effort == Effort::Joint).then_some((joint, 1.0));
         let inputs = if own.is_some() { 0 } else { self.inputs() };

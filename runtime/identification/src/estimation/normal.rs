@@ -333,13 +333,14 @@ impl Factor {
         self.scaled(self.factor.solve(&self.scaled(b.clone())))
     }
 
-    /// The product `D⁻¹ B` with the scaling D.
+    /// The product `D⁻¹ B` of a matrix B with the inverse of the scaling D.
     pub(super) fn scaled(&self, mut b: DMatrix<f64>) -> DMatrix<f64> {
         b.row_iter_mut().zip(self.scale.iter()).for_each(|(mut row, scale)| row *= *scale);
         b
     }
 
-    /// `L⁻¹ D⁻¹ B`: coordinates in which A is the identity.
+    /// The product `L⁻¹ D⁻¹ B` of a matrix B with the inverse factors of A: coordinates in which A is the
+    /// identity.
     pub(super) fn whitened(&self, b: DMatrix<f64>) -> DMatrix<f64> {
         let mut whitened = self.scaled(b);
         self.factor.l().solve_lower_triangular_mut(&mut whitened);

@@ -42,7 +42,7 @@ impl Gravity {
 /// Inertia, friction, offsets and gains of a robot, with intervals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
-    /// The P inertial parameters π, in the robot's order [kg, kg m, kg m²].
+    /// Inertial parameters π, in the robot's order [kg, kg m, kg m²].
     pub parameters: Vec<Uncertain>,
     /// Whether every body with mass is physically possible: its pseudo-inertia is positive definite.
     pub consistent: bool,
@@ -59,7 +59,7 @@ pub struct Estimate {
     /// Effective number of inertial parameters that the data determine: the trace of `(H + λ R)⁻¹ H` over these parameters,
     /// with the Hessian H of the sum of squares, the weight λ and the metric R of the description.
     pub effective_parameters: f64,
-    /// Covariance of the inertial parameters `[P × P]`; zero for parameters that the data may not change.
+    /// Covariance matrix of the inertial parameters; zero for parameters that the data may not change.
     pub parameter_covariance: DMatrix<f64>,
     /// Sums of products from which [`Self::r_squared_lost`] is computed.
     pub(crate) sensitivity: Sensitivity,

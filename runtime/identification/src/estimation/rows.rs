@@ -215,8 +215,8 @@ impl<'a> Rows<'a> {
         set(behind + 1, last[1]);
     }
 
-    /// Writes the columns of the delays. An effort that is late by a time δ is `z(t + δ) ≈ z + δ ż` at the time of the
-    /// motion, so the column of δ is −ż.
+    /// Writes the columns of the delays. An effort z that is late by a time δ is `z(t + δ) ≈ z + δ ż` at the
+    /// time of the motion, so the column of δ is −ż.
     fn write_delays(
         &mut self,
         (number, run): (usize, &PreparedRun),

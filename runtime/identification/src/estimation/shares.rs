@@ -93,7 +93,7 @@ impl Columns {
         Ok(Self { layout: Layout { measured, ..layout }.without_resting_currents() })
     }
 
-    /// Number of columns of each joint.
+    /// Number of columns of each joint's equation.
     pub(crate) fn widths(&self) -> Vec<usize> {
         let extra = |joint: usize| EXTRA[usize::from(self.layout.exact[joint])];
         (0..self.layout.joints).map(|joint| self.layout.width(joint) + extra(joint)).collect()

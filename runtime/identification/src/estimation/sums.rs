@@ -222,7 +222,7 @@ impl Sums {
         sum
     }
 
-    /// Products of a joint over all folds, or over all folds except `without`.
+    /// Sums of products of a joint's columns over all folds, or over all folds except `without`.
     pub(super) fn products(&self, joint: usize, without: Option<usize>) -> DMatrix<f64> {
         let q = self.folds[0][joint].nrows();
         let chosen = self.folds.iter().enumerate().filter(|(k, _)| Some(*k) != without);

@@ -13,9 +13,9 @@ use gelenk_findings::digits::plain;
 /// Rule that chooses the weight λ of the LASSO's penalty from the errors on held-out blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LambdaChoice {
-    /// The λ with the least error on held-out blocks.
+    /// The weight λ of the penalty with the least error on held-out blocks.
     Minimum,
-    /// The largest λ whose error exceeds the least error by at most one standard error.
+    /// The largest weight λ of the penalty whose error exceeds the least error by at most one standard error.
     OneStandardError,
 }
 

@@ -28,8 +28,8 @@ const TARGET: f64 = 1e-13;
 /// Largest number of iterations. Ten to thirty are usual.
 const LIMIT: usize = 100;
 
-/// Number that is added to the diagonal of free entries in the linear equations only. An entry that H does not determine then
-/// stays the same.
+/// Number that is added to the diagonal of free entries in the linear equations only. An entry that the
+/// Hessian does not determine then stays the same.
 const STATIC: f64 = 1e-14;
 
 /// A problem whose entries have sizes near one.
@@ -235,7 +235,7 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// Scaled matrices of a primal step.
+    /// Scaled steps of the blocks and scalars for a step `u` of the point.
     fn primal(&self, u: &DVector<f64>) -> Targets {
         let blocks = self.scalings.iter().enumerate();
         let scalars = self.cone.scalars.iter().zip(&self.scalars);

@@ -17,9 +17,9 @@ const UNSEEN: f64 = 1e-24;
 /// Share of the diagonal that is added to a Hessian that rounding made indefinite.
 const ROUNDING: f64 = 1e-9;
 
-/// Weight of the scaled distance from a body of unit sizes in the objective. If H determines the body, this term has the size
-/// of rounding. If H does not determine the body, the multipliers would have no interior without this term, and the iteration
-/// would stop early.
+/// Weight of the scaled distance from a body of unit sizes in the objective. If the Hessian determines the
+/// body, this term has the size of rounding. If the Hessian does not determine the body, the multipliers
+/// would have no interior without this term, and the iteration would stop early.
 const PULL: f64 = 1e-12;
 
 type Block = SMatrix<f64, PER_BODY, BLOCK>;
@@ -112,7 +112,7 @@ impl Scaled {
         self.linear = self.gradient(&problem.linear);
     }
 
-    /// Scaled linear term `Tᵀ g` of the objective.
+    /// Scaled linear term `Tᵀ g` of the objective, from the linear term g and the sizes T.
     fn gradient(&self, g: &DVector<f64>) -> DVector<f64> {
         let mut scaled = g.clone();
         for (b, block) in self.blocks.iter().enumerate() {
@@ -164,8 +164,8 @@ impl Scaled {
     }
 }
 
-/// Twice the decrease of the objective `½ xᵀ H x − gᵀ x` from zero to its minimum, `gᵀ H⁻¹ g`. A share of the
-/// diagonal is added to H, which makes H definite.
+/// Twice the decrease of the objective from zero to its minimum, `gᵀ H⁻¹ g` with the Hessian H and the linear
+/// term g. A share of the diagonal is added to H, which makes H definite.
 fn free_gain(h: &DMatrix<f64>, g: &DVector<f64>) -> f64 {
     let mut definite = h.clone();
     let share = ROUNDING * h.diagonal().amax().max(f64::MIN_POSITIVE);

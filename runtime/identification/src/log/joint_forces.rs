@@ -16,8 +16,8 @@ pub(super) fn move_to_joints(run: &mut Run, robot: &dyn Robot) {
 ///
 /// The lever arms are computed from the measured positions, so they contain the noise of the positions.
 ///
-/// - `positions`: y, one column for each entry, including the entries of quaternions
-/// - `inputs`: u, one column for each input
+/// - `positions`: positions y, one column for each entry, including the entries of quaternions
+/// - `inputs`: inputs u, one column for each input
 pub(super) fn forces_of_inputs(
     positions: &[Vec<f64>],
     inputs: &[Vec<f64>],

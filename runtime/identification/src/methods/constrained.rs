@@ -108,7 +108,7 @@ pub(crate) fn face(rows: &DMatrix<f64>, coefficients: &DVector<f64>) -> DMatrix<
     rows.select_rows(&(0..rows.nrows()).filter(|i| binds(i) && !all_zero(i)).collect::<Vec<_>>())
 }
 
-/// Minimizes `‖z‖` subject to `E z ≥ f`. The problem must be feasible.
+/// Minimizes `‖z‖` over vectors z with `E z ≥ f`. The problem must be feasible.
 fn least_distance(e: &DMatrix<f64>, f: &DVector<f64>) -> Result<DVector<f64>> {
     let (rows, n) = e.shape();
     if f.iter().all(|f| *f <= 0.0) {

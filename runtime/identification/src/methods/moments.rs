@@ -39,9 +39,9 @@ enum Regressors<'a> {
 impl<'a> Samples<'a> {
     /// Creates samples from stored columns.
     ///
-    /// - `names`: names of the columns of Θ
-    /// - `columns`: columns of Θ
-    /// - `targets`: columns of Y
+    /// - `names`: names of the terms
+    /// - `columns`: columns of the terms
+    /// - `targets`: columns of the targets
     ///
     /// # Errors
     /// [`IdentificationError::Empty`] if there are no samples, [`IdentificationError::Shape`] if lengths differ.
@@ -65,7 +65,7 @@ impl<'a> Samples<'a> {
     /// computed, so the matrix Θ of the terms is not stored.
     ///
     /// - `channels`: one column for each channel of `library`, in its order
-    /// - `targets`: columns of Y
+    /// - `targets`: columns of the targets
     ///
     /// # Errors
     /// [`IdentificationError::Empty`] if there are no samples, [`IdentificationError::Shape`] if the number of channels is
@@ -104,8 +104,8 @@ impl<'a> Samples<'a> {
         self.targets.len()
     }
 
-    /// Calls `visit` for blocks of at most 256 samples within `rows`. The arguments are the columns of Θ, followed by the
-    /// targets.
+    /// Calls `visit` for blocks of at most 256 samples within `rows`. The arguments are the columns of the
+    /// terms, followed by the targets.
     pub(crate) fn visit(&self, rows: Range<usize>, visit: &mut dyn FnMut(&[&[f64]])) {
         let mut workspace = match &self.regressors {
             Regressors::Library(library, _) => Some(library.workspace()),

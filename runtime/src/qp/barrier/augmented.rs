@@ -14,8 +14,8 @@ impl<V: Vector> Bounds<V> {
     }
 
     /// Sets the multipliers to those of another solution with the variables `z` for bounds that were active
-    /// there. A bound was active if `λ > c d` for its multiplier λ and its distance d into the bound. The
-    /// other multipliers become 0.
+    /// there. A bound was active if its multiplier exceeds `c` times the distance into the bound. The other
+    /// multipliers become 0.
     pub(in crate::qp) fn recall(&mut self, c: f64, z: &[V], last: &Multipliers<V>) {
         vectorized!(V, {
             let c = V::splat(c);

@@ -39,7 +39,7 @@ pub(super) struct Run {
     pub(super) soft: bool,
     /// Number of complementarity pairs, for example of a slack and its multiplier.
     pub(super) count: f64,
-    /// Gap at the start.
+    /// Gap at the start of the run.
     pub(super) start_gap: f64,
     /// Largest diagonal term of the Newton system.
     pub(super) cap: f64,

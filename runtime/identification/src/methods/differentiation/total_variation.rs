@@ -12,8 +12,8 @@ use crate::error::{Result, require_setting};
 
 /// Settings of the total-variation regularization.
 ///
-/// The smoothed signal s of the measured signal f minimizes `½ ‖s − f‖² + γ Δt Σ √((D s)² + ε)` with the period Δt. D is
-/// the divided difference of order `order` + 1.
+/// The smoothed signal s of the measured signal f minimizes `½ ‖s − f‖² + γ Δt Σ √((D s)² + ε)` with the
+/// weight γ, the period Δt and the constant ε. D is the divided difference of order `order` + 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TotalVariation {
     /// Order of the derivative whose variation is penalized: 1 for piecewise constant velocities, 2 for piecewise linear
@@ -69,8 +69,9 @@ impl TotalVariation {
         }
     }
 
-    /// Creates settings with γ from the standard deviation `sigma` of the signal's noise (see
-    /// [`super::quantization_noise`]), and with a penalty on the variation of the second derivative.
+    /// Creates settings with the weight γ of the variation from the standard deviation `sigma` of the
+    /// signal's noise (see [`super::quantization_noise`]), and with a penalty on the variation of the second
+    /// derivative.
     pub fn from_noise(sigma: f64) -> Self {
         Self {
             order: 2,

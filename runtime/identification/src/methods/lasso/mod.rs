@@ -14,7 +14,8 @@ use super::moments::Moments;
 use descent::{Problem, State};
 use nalgebra::{DMatrix, DVector};
 
-/// Converts λ of `1/(2N) ‖y − Θ ξ‖² + λ ‖ξ‖₁` to λ' of `‖y − Θ ξ‖² + λ' ‖ξ‖₁`, for N samples.
+/// Converts the weight λ of `1/(2N) ‖y − Θ ξ‖² + λ ‖ξ‖₁` to the weight λ' of `‖y − Θ ξ‖² + λ' ‖ξ‖₁`, for N
+/// samples of the target y and the terms Θ with the coefficients ξ.
 pub(crate) fn paper_lambda(lambda: f64, samples: usize) -> f64 {
     2.0 * samples as f64 * lambda
 }

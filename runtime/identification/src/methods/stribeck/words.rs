@@ -12,8 +12,9 @@ pub(crate) struct Estimate {
     pub(crate) standard_error: Option<f64>,
 }
 
-/// Physical parameters of a Stribeck law, which follow from a1 … a5. At speeds v above the width 1/a3 of the step at zero,
-/// the law is `F_v v + F_c + (F_s − F_c) exp(−v/v_s)`.
+/// Physical parameters of a Stribeck law, which follow from its parameters a1 … a5. At speeds v above the
+/// width 1/a3 of the step at zero, the law is `F_v v + F_c + (F_s − F_c) exp(−v/v_s)` with viscous friction
+/// F_v, Coulomb friction F_c, static friction F_s and the Stribeck speed v_s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StribeckWords {
     /// Coulomb friction F_c, in N·m or N: the parameter a2 of the law.
