@@ -106,6 +106,7 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
     /// | `stop_time`, `settling_time`, `release_time` | 0.5 s, 0.1 s, 0 s |
     /// | `start_periods`, `brake_periods` | 50, 10 |
     /// | `warm_up` | 0.1 T |
+    /// | `budgets` | 0.25 T for reading, 0.5 T for control, 0.05 T for each other stage |
     ///
     /// Change these values for prismatic joints, and for joints without speed limits.
     #[must_use]

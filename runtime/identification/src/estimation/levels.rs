@@ -57,7 +57,7 @@ levels! {
     /// Factor by which the weight of a described body may be reduced.
     LESS_TRUST: f64 = 0.01;
 
-    /// Multiple of the standard deviation beyond which a sample loses weight (Huber 1964). The fit is 99.9 % efficient for
+    /// Multiple of the standard deviation beyond which a sample loses weight (Huber 1964). The fit is 99.8 % efficient for
     /// normal errors. Friction at reversals gives large residuals that are not outliers. Smaller multiples would remove them.
     HUBER: f64 = 2.5;
 

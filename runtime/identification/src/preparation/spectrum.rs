@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 /// Lower edge of the first band in Hz.
 const LOWEST: f64 = 0.02;
 
-/// Number of bands. The last one ends at 80 kHz.
+/// Number of bands. The last one ends at 84 kHz.
 const BANDS: usize = 132;
 
 /// Measured power in bands of a sixth of an octave. Spectral densities are one-sided.
