@@ -21,9 +21,9 @@ pub struct TotalVariation {
     pub order: usize,
     /// Rule for the weight γ of the variation.
     pub regularization: Regularization,
-    /// Constant ε under the square root, in (unit of the signal / s^(order+1))². For a small ε the derivative jumps. If this field
-    /// is `None`, ε is the mean square of the divided difference of a quadratically smoothed signal, which suits smooth
-    /// motions.
+    /// Constant ε under the square root, in (unit of the signal / s^(order+1))². For a small ε the derivative
+    /// jumps. `None` is possible only with [`Regularization::Noise`]. ε is then the mean square of the
+    /// divided difference of a quadratically smoothed signal, which suits smooth motions.
     pub epsilon: Option<f64>,
     /// Largest number of iterations.
     pub iterations: usize,
