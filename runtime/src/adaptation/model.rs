@@ -360,7 +360,7 @@ impl<D: Differentiable<N, M>, const N: usize, const M: usize> LearnedFriction<D,
     }
 }
 
-/// The discrete-time methods are the default methods of the trait. They use the functions above.
+/// Uses the default discrete-time methods of the trait, which call the dynamics with the learned friction.
 impl<D: Discretizable<N, M>, const N: usize, const M: usize> Discretizable<N, M>
     for LearnedFriction<D, N, M>
 {

@@ -372,7 +372,7 @@ fn needs_third_part<V: Vector, const N: usize>(powers: &[Half<V, N>]) -> V {
     V::select_positive(excess, V::one(), V::zero())
 }
 
-/// Restores the entries of lanes that have already done all their doublings.
+/// Restores the entries of lanes whose step already has its full length after `done` doublings.
 #[inline(always)]
 fn keep_done<V: Vector>(new: &mut [V], old: &[V], counts: [u32; WIDTH], done: u32) {
     if counts.iter().all(|count| *count > done) {

@@ -167,7 +167,7 @@ impl<V: Vector> Equalities<V> {
         self.targets.any
     }
 
-    /// Requires that number `i` of the padded states is `value`.
+    /// Requires that entry `i` of the padded states is `value`.
     pub(super) fn set(&mut self, i: usize, value: f64) {
         self.targets.set(i, value);
     }

@@ -26,7 +26,7 @@ pub(super) struct Limits {
     pub(super) penalty: Option<(f64, f64)>,
 }
 
-/// Matrices of the rows of nodes 0 … N.
+/// Matrices of the constraint rows of nodes 0 … N.
 #[derive(Debug, Clone)]
 pub(crate) struct Rows<V, const NX: usize, const NU: usize, const NR: usize> {
     /// Coefficients `C_k` of the states, `NR` padded rows per node; zero for node 0, because x_0 is not a

@@ -197,7 +197,7 @@ pub enum TrajectoryError {
         what: &'static str,
         /// Necessary number of entries.
         needed: usize,
-        /// Given number of entries.
+        /// Number of entries that were given.
         given: usize,
     },
     /// A number is out of range.

@@ -293,8 +293,8 @@ fn measured(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<bool> {
     (0..joints).map(|joint| !unmeasured[joint] && runs.iter().all(|run| of_run(joint, run))).collect()
 }
 
-/// Fails if inputs act at frames and efforts are inputs or currents, because B is then not constant. Also fails if gains of
-/// currents are unknown and joints and inputs do not correspond one to one.
+/// Fails if inputs act at frames and efforts are inputs or currents, because the input matrix B is then not
+/// constant. Also fails if gains of currents are unknown and joints and inputs do not correspond one to one.
 fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
     if effort != Effort::Joint && robot.has_inputs_at_frames() {
         return Err(Place::default().fault(

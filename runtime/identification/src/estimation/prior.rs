@@ -31,7 +31,7 @@ pub(super) struct Prior {
 /// A Gaussian about described values, for each active unknown.
 pub(super) struct Gaussian {
     pub(super) mean: DVector<f64>,
-    /// Inverses of the variances; zero if nothing is known.
+    /// Inverses of the prior variances; zero if nothing is known.
     pub(super) precision: DVector<f64>,
     /// Number of correlated samples that count as one independent sample.
     pub(super) time: DVector<f64>,

@@ -245,7 +245,8 @@ pub(crate) struct SharedData<'a> {
     pub(crate) correlation_time: f64,
 }
 
-/// The estimate, and for each joint the factors of its columns in the friction torque.
+/// The estimate, and the friction torque of each joint as factors of the joint's columns (regressor, terms,
+/// measured force).
 pub(crate) struct SharedEstimate {
     pub(crate) estimate: Estimate,
     pub(crate) friction: Vec<DVector<f64>>,
@@ -424,8 +425,8 @@ impl Found<'_> {
         found.map(|finding| finding.of(robot.subject(joint))).collect()
     }
 
-    /// Friction as factors of a joint's columns: the measured force minus the forces of the rigid body and of an added
-    /// inertia.
+    /// Friction torque of a joint as factors of its columns: the measured force minus the forces of the rigid
+    /// body and of an added inertia.
     fn friction(&self, joint: usize) -> DVector<f64> {
         let layout = self.fitted.layout;
         let mut factors = residual_vector(layout, &self.fitted.solved.values, joint);

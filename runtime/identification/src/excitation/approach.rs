@@ -20,7 +20,7 @@ pub struct Approach {
     /// Posture at the beginning [rad or m], one entry for each joint. A joint with a quaternion has the three entries of the
     /// rotation vector of its orientation. If it is floating, the three entries of its origin's position come first.
     pub from: Vec<f64>,
-    /// Posture at the end, in the same coordinates.
+    /// Posture at the end of the approach [rad or m], in the coordinates of `from`.
     pub to: Vec<f64>,
     /// Shortest time that keeps the limits of speed and acceleration \[s\]; 0 if both postures are equal.
     pub seconds: f64,

@@ -135,7 +135,8 @@ fn place(joint: &QuaternionJoint, [z, dz, ddz]: &Instant, [y, v, a]: &mut Instan
     }
 }
 
-/// Orientation exp(φ), angular velocity and angular acceleration in the body's frame.
+/// Orientation exp(φ) with the rotation vector φ = `phi`, and the angular velocity and acceleration in the
+/// body's frame.
 fn turning(
     phi: &Vector3<f64>,
     rate: &Vector3<f64>,

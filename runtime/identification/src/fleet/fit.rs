@@ -41,7 +41,7 @@ const OF_MOMENTS: Rule = Rule::note("moments");
 /// Identifies a robot from moments of its logs ([`LogMoments`]), as [`super::super::identify::identify`] does from the logs.
 /// Runs, efforts, predictions and offsets in the result are empty, because they cannot be computed from sums.
 ///
-/// - `description`: source of the robot, as for [`super::reduce()`]
+/// - `description`: source of the robot: contents of its files and the options for reading them
 /// - `progress`: receives a sentence at each step
 ///
 /// # Errors
@@ -268,7 +268,8 @@ struct JointMoments<'a> {
     facts: &'a JointFacts,
     shares: &'a [ShareSums],
     library: Vec<(String, usize)>,
-    /// Factors of the joint's columns in its friction torque.
+    /// Factors of the linear combination of the joint's columns (regressor, terms, measured force) that is
+    /// its friction torque.
     factors: &'a DVector<f64>,
     gain: f64,
 }

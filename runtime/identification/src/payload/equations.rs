@@ -145,7 +145,7 @@ impl Equations {
         x
     }
 
-    /// Eliminates the error of the description and friction.
+    /// Eliminates the unknown errors of the description and the unknown friction from the equations.
     pub(super) fn reduced(&self, weights: &[f64]) -> Result<Reduced> {
         let size = self.nuisance + PER_BODY + 1;
         let mut total = DMatrix::zeros(size, size);
@@ -237,7 +237,7 @@ struct Columns<'a> {
     parameters: usize,
     nuisance: usize,
     body: usize,
-    /// Joint forces of the logged efforts, `joints × channels`.
+    /// Matrix that converts the logged efforts to joint forces, `joints × channels`.
     to_joints: DMatrix<f64>,
     /// Largest speed of each joint. A joint at rest has no rows.
     speeds: Vec<f64>,

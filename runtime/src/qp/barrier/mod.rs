@@ -1,9 +1,10 @@
 //! Bounds in the interior-point method: slacks, multipliers and their Newton steps, four bounds at a time.
 //!
-//! A bound is `ς (z − b) + t ≥ 0` with ς = +1 for a lower bound and −1 for an upper bound. The softening `t` is absent
-//! for a hard bound. The slack `s > 0` satisfies `ς (z − b) + t − s = −r` with the residual r, and the multiplier is
-//! `λ > 0`. A soft bound costs `w₁ t + ½ w₂ t²` with `t ≥ 0`. The multiplier of `t ≥ 0` is `ν = w₁ + w₂ t − λ > 0`.
-//! The elimination of `ds`, `dt` and `dν` from the Newton system leaves a diagonal term W in z:
+//! A bound b of a variable z is `ς (z − b) + t ≥ 0` with ς = +1 for a lower bound and −1 for an upper bound.
+//! The softening `t` is absent for a hard bound. The slack `s > 0` satisfies `ς (z − b) + t − s = −r` with
+//! the residual r, and the multiplier is `λ > 0`. A soft bound costs `w₁ t + ½ w₂ t²` with `t ≥ 0`. The
+//! multiplier of `t ≥ 0` is `ν = w₁ + w₂ t − λ > 0`. The elimination of `ds`, `dt` and `dν` from the Newton
+//! system leaves a diagonal term W in z:
 //! ```text
 //!     s dλ + λ ds = −rc₁ = −(s λ − τ + c₁)       t dν + ν dt = −rc₂ = −(t ν − τ + c₂)       τ = σμ, c: second-order correction
 //!     ς dz + dt + r = ds       dν = w₂ dt − dλ       D = ν + w₂ t (1 if hard)       Δ = D s + t λ (t = 0 if hard)

@@ -101,7 +101,8 @@ pub struct StribeckFit {
     pub converged: bool,
     /// Warnings about the parameters, with numbers.
     pub warnings: Vec<Finding>,
-    /// JᵀWJ at the result, with the derivatives J and the weights W, after the elimination of the offsets.
+    /// Matrix JᵀWJ at the result. J are the derivatives of the torques with respect to the parameters,
+    /// without the part that offsets explain, and W are the weights of the samples.
     pub(super) information: SMatrix<f64, 5, 5>,
 }
 

@@ -22,8 +22,8 @@ pub(crate) struct StribeckWords {
     /// Static friction F_s = a2 + a4, in N·m or N: the torque at which the joint begins to move. a2 and a4
     /// are parameters of the law.
     pub static_friction: Estimate,
-    /// Stribeck speed v_s = 1/a5, in rad/s or m/s. At this speed, friction has fallen from its static value
-    /// by all but 1/e of the difference to Coulomb friction.
+    /// Stribeck speed v_s = 1/a5, in rad/s or m/s. At this speed, the difference of
+    /// friction from Coulomb friction has fallen to 1/e of its value at rest.
     pub stribeck_speed: Estimate,
     /// Viscous friction F_v, in N·m s/rad or N s/m: the parameter a1 of the law.
     pub viscous: Estimate,
