@@ -38,7 +38,7 @@ pub struct JointScale {
     /// Described friction at the largest speed [N m or N]; a tenth of the largest effort for a joint without described
     /// friction.
     pub torque: f64,
-    /// Largest speed [rad/s or m/s].
+    /// Largest speed of the joint [rad/s or m/s].
     pub speed: f64,
     /// Smallest ratio `|s(v)|/|v|` of the shape s of the friction at speeds |v| up to twice the largest speed
     /// [N m s/rad or N s/m].

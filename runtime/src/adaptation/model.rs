@@ -56,16 +56,22 @@ struct JointLaw {
 type Learned = (f64, f64);
 
 impl JointLaw {
+    /// Learned friction if the inverse dynamics of the described robot are given.
+    ///
     /// - `force`: inverse dynamics of the described robot
     fn of_described_force(&self, force: f64) -> Learned {
         self.of_load(force - self.described, self.described_share)
     }
 
+    /// Learned friction if the force of the drive is given.
+    ///
     /// - `force`: force of the drive
     fn of_drive_force(&self, force: f64) -> Learned {
         self.of_load(force - self.described - self.learned, self.learned_share)
     }
 
+    /// Learned friction if the sum of the load and its friction is given.
+    ///
     /// - `exerted`: load and load-dependent friction
     /// - `share`: load-dependent friction per unit of load
     fn of_load(&self, exerted: f64, share: f64) -> Learned {

@@ -175,6 +175,8 @@ fn check_stop<const N: usize, const M: usize>(
     Ok(())
 }
 
+/// Checks position and speed limits of joints that follow coordinates.
+///
 /// - `stopping`: positions of the coordinates at which the brakes would stop them
 fn check_dependent<const N: usize>(
     joints: &[DependentJoint<N>],

@@ -51,7 +51,7 @@ pub(super) struct State<const N: usize, const M: usize, const NY: usize> {
     pub unmeasured: u32,
     /// Consecutive periods without a successful controller step.
     pub failures: u32,
-    /// Consecutive periods without a write.
+    /// Consecutive periods in which no inputs were written to the robot.
     pub unwritten: u64,
     pub brakes: Brakes,
     /// Whether velocities (0) and torques (1) were measured at the start. Only measured quantities have columns in

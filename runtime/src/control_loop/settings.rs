@@ -183,6 +183,8 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
         Ok(())
     }
 
+    /// Checks that each setting is in its range.
+    ///
     /// - `joints`, `inputs`: names for messages
     ///
     /// # Errors

@@ -219,7 +219,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// Stores the solution, and ends the pause, so that the next problem has a warm start.
+    /// Stores the solution and the pause of Newton's method until [`Self::take_back`]. Until then Newton's
+    /// method is tried without a pause.
     pub(super) fn set_aside(&mut self) {
         let (solution, multipliers, solved, pause) = &mut self.spare;
         solution.copy_from(&self.solution);

@@ -52,7 +52,7 @@ enum Engine<const NX: usize, const NU: usize, const NR: usize> {
     Avx2(Core<Avx2, NX, NU, NR>),
 }
 
-/// Calls a function of the core for the selected instructions.
+/// Calls a function of the solver core that was compiled for the selected vector instructions.
 macro_rules! core {
     ($solver:expr, $core:ident => $call:expr) => {
         match $solver {

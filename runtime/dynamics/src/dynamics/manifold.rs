@@ -24,9 +24,9 @@ pub const fn positions_of(positions: usize, n: usize) -> usize {
 pub struct QuaternionJoint {
     /// Name of the joint.
     pub name: &'static str,
-    /// Index of the first position entry.
+    /// Index of the joint's first entry in the positions.
     pub position: usize,
-    /// Index of the first velocity entry.
+    /// Index of the joint's first entry in the velocities.
     pub velocity: usize,
     /// Whether the joint is floating. For a floating joint, the position in the frame of the parent precedes the quaternion, and
     /// the linear velocity precedes the angular velocity. Otherwise the joint is spherical.

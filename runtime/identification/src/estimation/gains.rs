@@ -82,6 +82,8 @@ struct Projection {
 }
 
 impl Projection {
+    /// The gain of a joint, from the sums of products of its columns.
+    ///
     /// - `root`: L⁻¹ of the bodies' metric `M = L Lᵀ`, with zeros for held parameters
     /// - `all`: sums of products of the joint's columns
     /// - `without`: the same sums without each fold
@@ -269,6 +271,8 @@ impl<'a> Equations<'a> {
         gains
     }
 
+    /// Solution for given gains, with the objective and its derivatives.
+    ///
     /// - `sigma`: standard deviations of the joints' residuals in units of their efforts
     /// - `logs`: logarithms of the gains divided by their first values
     fn at(&self, sigma: &[f64], logs: &DVector<f64>) -> Result<At> {

@@ -70,6 +70,8 @@ impl Layout {
         (0..self.joints).map(is_known).collect()
     }
 
+    /// Layout of the unknowns for prepared runs.
+    ///
     /// - `given`: factors k of the Coulomb terms of each joint; `None` if the factors are chosen by the held-out error
     /// - `loads`: whether there is a term of load-dependent friction
     pub(super) fn new(

@@ -72,6 +72,8 @@ pub(crate) struct Weighted<'a> {
 }
 
 impl Columns {
+    /// The columns for a robot, chosen before the samples are read.
+    ///
     /// - `spans`: for each joint, the largest range of positions in a log
     /// - `measured`: for each joint, whether a log has its effort
     ///

@@ -38,6 +38,8 @@ pub(super) fn tilts(case: &Case) -> Vec<Change> {
     found.into_iter().collect()
 }
 
+/// Direction of gravity that the data determine; `None` if it agrees with the described direction or cannot be estimated.
+///
 /// - `last`: fit with the described gravity
 fn tilt(task: &Task, last: &Chosen) -> Result<Option<Change>> {
     let is_usual = task.gravity == Gravity::Recorded && !task.layout.known_gains.contains(&false);

@@ -162,6 +162,8 @@ pub(super) struct Case<'a> {
 }
 
 impl<'a> Case<'a> {
+    /// The case of a fit. Computes the held-out errors with unconstrained and with described bodies.
+    ///
     /// - `own`: held-out errors of the fit
     pub(super) fn new(
         (robot, prior): (&'a dyn Robot, &'a Prior),

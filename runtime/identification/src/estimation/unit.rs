@@ -122,6 +122,8 @@ impl CommonRatio {
         units.iter().filter(is_near).copied().collect()
     }
 
+    /// Finding that the unit of the efforts is probably wrong.
+    ///
     /// - `guess`: a unit in which the efforts are explained better
     pub(super) fn finding(&self, guess: Option<&str>, rule: &Rule) -> Finding {
         let (key, unit) = match self.effort {

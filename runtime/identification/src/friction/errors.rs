@@ -29,6 +29,8 @@ pub(super) struct Errors {
 }
 
 impl Errors {
+    /// Errors of the coefficients for correlated residuals.
+    ///
     /// - `active`: indices of the chosen terms
     /// - `binding`: rows of active constraints. The combinations of coefficients that they fix count as known.
     pub(super) fn of_samples(

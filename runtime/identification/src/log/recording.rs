@@ -199,6 +199,8 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).map_err(|e| fault(e.to_string()))
 }
 
+/// Reads a recording from the bytes of a file.
+///
 /// - `findings`: receives the findings, also before an error
 fn read_bytes(
     bytes: &[u8],

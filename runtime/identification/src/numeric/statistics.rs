@@ -18,7 +18,7 @@ pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// Number of values, of which one at each end may be an outlier.
+/// Number of values per value that [`span`] leaves out at each end.
 const OUTLIERS: usize = 200;
 
 /// Returns the smallest and the largest value without the outermost 0.5 % at both ends; `None` if there are no values.

@@ -20,6 +20,8 @@ pub(super) struct PoseSignal {
 }
 
 impl PoseSignal {
+    /// The measured poses of a joint without spikes and missing values.
+    ///
     /// - `channels`: path of the joint, one channel for each velocity
     pub(super) fn new(joint: &QuaternionJoint, run: &Run, channels: &[Channel]) -> Self {
         let row = |columns: &[Vec<f64>], i: usize| columns.iter().map(|c| c[i]).collect::<Vec<f64>>();

@@ -23,6 +23,8 @@ impl<'a> RobotRows<'a> {
         Self { robot, rows: ShaftRows::of(robot) }
     }
 
+    /// The robot with given rows of shafts; with `None`, all rows are those of joints.
+    ///
     /// - `rows`: rows of the same robot
     pub(crate) fn new(robot: &'a dyn Robot, rows: Option<ShaftRows>) -> Self {
         Self { robot, rows }

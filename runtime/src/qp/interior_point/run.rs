@@ -2,8 +2,8 @@
 
 use super::super::core::Start;
 
-/// Limit of a barrier term relative to the largest multiplier of a state. The larger of this limit and the absolute limit
-/// applies. A smaller limit would slow the growth of large multipliers.
+/// Limit of a barrier term relative to the largest multiplier of a state. An absolute limit also exists, and
+/// the larger limit applies. A smaller value would slow the growth of large multipliers.
 pub(super) const STIFFNESS: f64 = 1e6;
 /// Factor of both limits of the barrier terms if a factorization failed or its steps were inexact because of rounding.
 pub(super) const CAP_CUT: f64 = 1e-2;

@@ -53,6 +53,8 @@ pub(in crate::log) struct Targets {
 }
 
 impl Targets {
+    /// Targets with the spellings of their names, by which columns are found.
+    ///
     /// - `others`: second name of each joint or input, or an empty slice
     pub(super) fn new(names: &[String], others: &[Option<String>]) -> Self {
         let spelled: Vec<Vec<String>> = names.iter().map(|n| words(n)).collect();

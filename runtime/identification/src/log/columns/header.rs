@@ -30,6 +30,8 @@ pub(super) struct Header {
 }
 
 impl Header {
+    /// The header of column `index`, split into words and unit.
+    ///
     /// - `below`: field of the column in the row of units
     pub(super) fn new(index: usize, text: &str, below: Option<&str>) -> Self {
         let (rest, bracketed, odd) = take_unit(text);
