@@ -95,8 +95,8 @@ pub(super) struct Track {
 ///     w_l ∝ w_l^α p_l(r)^(1/c)        p_l(r) = N(r; φᵀ δ_l, S_l)        S_l = φᵀ P_l φ + σ²
 /// ```
 ///
-/// Here r is the torque of the sample, φ are the values of the terms, P_l is the covariance of filter l, and 1 − α is the
-/// interval between samples divided by the memory.
+/// Here r is the torque of the sample, φ are the values of the terms, and P_l is the covariance of filter l.
+/// 1 − α is the interval between samples divided by the memory.
 ///
 /// - All filters share the noise variance σ². It is estimated from the prediction errors e:
 ///   `σ² ← σ² (1 + (Σ w_l e²/S_l − 1)/n)` (West, Harrison, *Bayesian Forecasting and Dynamic Models*, 1997, section 10.8). With

@@ -340,9 +340,9 @@ impl<const N: usize> Adaptation<N> {
         core::array::from_fn(|i| self.joints[i].as_ref().map_or([[0.0; TERMS]; TERMS], errors))
     }
 
-    /// Returns the friction of a joint [N m or N] by the learned law at the velocity `v` [rad/s or m/s], and the half width of
-    /// the 90 % confidence interval of this friction. The friction includes the offset, but not load-dependent friction. `None`
-    /// for joints whose friction is not learned.
+    /// Returns the friction of a joint by the learned law at the velocity `v` [rad/s or m/s], and the half
+    /// width of its 90 % confidence interval, both in N m or N. The friction includes the offset, but not
+    /// load-dependent friction. `None` for joints whose friction is not learned.
     ///
     /// - `described`: described friction at this velocity [N m or N]
     #[must_use]

@@ -31,10 +31,11 @@ impl<const S: usize> LowPass<S> {
 
 /// The last three measurements of all joints.
 ///
-/// At the middle measurement, the velocity is the central difference of the positions, and the acceleration is their second
-/// difference. The low-pass filter L is applied to the torque of the inertia, `L[M (v⁺ − v⁻)/T]`, with the mass matrix M, the
-/// period T and the mean velocities v⁻ and v⁺ of two periods. This is the momentum form of Slotine and Li (*Int. J. Robotics
-/// Research* 6, 1987) in discrete time. By the product rule of differences,
+/// At the middle measurement, the velocity is the central difference of the positions, and the acceleration
+/// is their second difference. The low-pass filter L is applied to the torque of the inertia, `L[M (v⁺ −
+/// v⁻)/T]`. M is the mass matrix, T is the period, and v⁻ and v⁺ are the mean velocities of two periods. This
+/// is the momentum form of Slotine and Li (*Int. J. Robotics Research* 6, 1987) in discrete time. By the
+/// product rule of differences,
 ///
 /// ```text
 ///     M_k (v⁺ − v⁻) = (M⁺ v⁺ − M⁻ v⁻) − (M⁺ − M⁻) v        M⁺, M⁻ half a period later and earlier, up to O(T³)

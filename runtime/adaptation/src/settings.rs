@@ -26,8 +26,8 @@ pub struct AdaptationSettings {
     /// Times in which a random walk of the coefficients reaches the standard deviation of the prior (s), from slow to fast
     /// drift. One Kalman filter runs for each time.
     pub drift_times: [f64; 3],
-    /// Time constant, in seconds of motion, of the leaky averages that estimate the noise, the correlation of samples, the
-    /// weights of the drift times, and the prediction errors.
+    /// Time constant of leaky averages, in seconds of motion. They estimate the noise, the correlation of
+    /// samples, the weights of the drift times, and the prediction errors.
     pub memory: f64,
     /// Time of motion (s) after which residuals outside the prediction interval of the learned law count as a change of the
     /// joint. Before this time they count as contact.

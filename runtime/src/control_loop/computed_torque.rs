@@ -79,9 +79,9 @@ pub enum ComputedTorqueError {
 ///
 /// replaces the acceleration in the equation above. Then `d/dt (w − v) = −K_d (w − v) − K_p e`. The error e
 /// decays along one axis, like the errors of other joints, under two conditions. The gains of the entries of
-/// a joint must be equal, and w − v must initially be parallel to e, for example zero at the start of a
-/// motion that begins at rest. From other states an attitude error also decays, unless it is 180° (Bullo and
-/// Murray, "Tracking for fully actuated mechanical systems: a geometric framework", Automatica 35, 1999).
+/// a joint must be equal, and w − v must initially be parallel to e. At the start of a motion that begins at
+/// rest, w − v is zero. From other states an attitude error also decays, unless it is 180° (Bullo and Murray,
+/// "Tracking for fully actuated mechanical systems: a geometric framework", Automatica 35, 1999).
 ///
 /// ```
 /// use gelenk_runtime::control_loop::{AccelerationGains, ComputedTorque, JointLaw};

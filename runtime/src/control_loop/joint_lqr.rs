@@ -59,7 +59,7 @@ pub enum JointLqrError {
 ///     u = u_ff(y_d, ẏ_d, ÿ_d) + K x        x = (y − y_d, ẏ − ẏ_d)
 /// ```
 ///
-/// Here u_ff is the [`FeedForward`] for the desired motion y_d, ẏ_d, ÿ_d, and K is the gain of [`Lqr`] for the
+/// Here u_ff is the [`FeedForward`] for the desired motion y_d, ẏ_d, ÿ_d. K is the gain of [`Lqr`] for the
 /// discrete-time model (zero-order hold) of the robot at rest. For robots with quaternions the difference is
 /// `y ⊖ y_d`, and body velocities v replace ẏ. K is constant. It is optimal only near the positions at which
 /// the robot was linearized. Far from these positions, or at limits of inputs, use [`LtvMpc`](crate::mpc).

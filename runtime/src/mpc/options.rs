@@ -119,12 +119,13 @@ pub struct MpcOptions<const N: usize, const M: usize, const NR: usize = 0> {
     pub position_limits: [[f64; 2]; N],
     /// Soft bounds of the speeds [rad/s or m/s]; infinite for speeds without a bound.
     pub velocity_limits: [f64; N],
-    /// Probability p, above 1/2 and below 1, that a predicted input, position or speed keeps a limit if the friction of the model
-    /// is uncertain ([`Dynamics::friction_uncertainty`]). The plan keeps narrowed limits. They are narrower by Φ⁻¹(p) standard
-    /// deviations of the prediction, where Φ⁻¹ is the quantile of the normal distribution. The prediction assumes the feedback
-    /// of the regulator of the terminal weight. The margin is small in the first stages, and each step computes a new plan, so
-    /// the robot can come closer to a limit than the end of a plan. [`Self::rows`] are not narrowed. `None`: limits are not
-    /// narrowed.
+    /// Probability p, above 1/2 and below 1, that a predicted input, position or speed keeps a limit if the
+    /// friction of the model is uncertain ([`Dynamics::friction_uncertainty`]). The plan keeps narrowed
+    /// limits. They are narrower by Φ⁻¹(p) standard deviations of the prediction, where Φ⁻¹ is the quantile
+    /// of the normal distribution. The prediction assumes the feedback of the regulator of the terminal
+    /// weight. The margin is small in the first stages, and each step computes a new plan. Therefore the
+    /// robot can come closer to a limit than the end of a plan. [`Self::rows`] are not narrowed. `None`:
+    /// limits are not narrowed.
     pub limit_probability: Option<f64>,
     /// Limits of weighted sums of positions, velocities and inputs, see [`Self::with_rows`].
     pub rows: [MpcRow<N, M>; NR],

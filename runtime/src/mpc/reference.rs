@@ -62,8 +62,9 @@ impl<const N: usize, const M: usize, const NY: usize> Reference<N, M, NY> {
         self.first + (self.passed + nodes) * self.period
     }
 
-    /// Computes the reference from `start` (s) on. Returns the number of periods since the previous reference, or the
-    /// number K of periods in the horizon if no value of the previous reference is kept.
+    /// Computes the reference from `start` (s) on. Returns the number of periods since the previous
+    /// reference. If no value of the previous reference is kept, it returns the number of periods in the
+    /// horizon.
     ///
     /// The trajectory is sampled again, because it may have changed. Feed-forward and stages are kept if the samples
     /// are equal to the previous samples. For robots with driven joints nothing is kept, because the driven motion

@@ -414,8 +414,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         );
     }
 
-    /// Computes the cost-to-go matrix `P = Q + AᵀP⁺A − YᵀD⁻¹Y` of a stage, with the state weights Q, the
-    /// state matrix A, the cost-to-go matrix P⁺ of the next stage, and the factors Y and D of the gain. The
+    /// Computes the cost-to-go matrix `P = Q + AᵀP⁺A − YᵀD⁻¹Y` of a stage. Q are the state weights, A is the
+    /// state matrix, P⁺ is the cost-to-go matrix of the next stage, and Y and D are factors of the gain. The
     /// lower blocks are computed by products, the upper blocks by symmetry.
     #[inline(always)]
     fn stage_cost_to_go(&mut self, k: usize, add_rows: impl FnOnce(&mut [V])) {

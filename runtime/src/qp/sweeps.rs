@@ -18,10 +18,10 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         })
     }
 
-    /// Decrease `½ Σ wᵀ (Λ D Λᵀ)⁻¹ w` of a function by a Newton step, with the gradients w of the inputs
-    /// after the dynamics are eliminated, and the input Hessians `Λ D Λᵀ` of the last factorization.
-    /// `gradient` are the gradients with respect to inputs and states before the dynamics are eliminated.
-    /// `scratch` is overwritten.
+    /// Decrease `½ Σ wᵀ (Λ D Λᵀ)⁻¹ w` of a function by a Newton step. w are the gradients of the inputs after
+    /// the dynamics are eliminated, and `Λ D Λᵀ` are the input Hessians of the last factorization. `gradient`
+    /// are the gradients with respect to inputs and states before the dynamics are eliminated. `scratch` is
+    /// overwritten.
     pub(crate) fn decrease(&self, gradient: &Trajectory<V>, scratch: &mut Trajectory<V>) -> f64 {
         vectorized!(V, { self.backward(gradient, flat_mut(&mut scratch.u), false) })
     }

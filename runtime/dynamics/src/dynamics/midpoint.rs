@@ -1,7 +1,8 @@
 //! Linear system of equations for a step of the implicit midpoint rule.
 
-/// Right-hand sides of the linear system. [`solve`] overwrites them by the solutions, which are the derivatives of the velocity
-/// change with respect to positions, velocities and inputs, and the velocity change due to the residual.
+/// Right-hand sides of the linear system. [`solve`] overwrites them by the solutions: the derivatives of the
+/// velocity change with respect to positions, velocities and inputs, and the velocity change due to the
+/// residual.
 pub(super) struct Columns<const N: usize, const M: usize> {
     pub by_y: [[f64; N]; N],
     pub by_v: [[f64; N]; N],

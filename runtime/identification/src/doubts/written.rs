@@ -81,8 +81,8 @@ impl Written<'_> {
         Ok(self.filter.apply(&sharp).into_iter().map(|torque| torque + level).collect())
     }
 
-    /// Determines the constant of a law, predicts the joint's force in the fitted runs, and sets the statistics of the
-    /// joint's fit to those of this prediction.
+    /// Determines the constant of a law, and predicts the joint's force in the fitted runs. The statistics of
+    /// the joint's fit become those of this prediction.
     ///
     /// # Errors
     /// The errors are those of [`Self::friction`].

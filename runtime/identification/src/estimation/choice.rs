@@ -264,9 +264,9 @@ impl<'a> Chosen<'a> {
         self.centred = Centred::new(layout, sums, self.model.offsets, zeros);
     }
 
-    /// Allows a joint a larger standard deviation of its offsets if this lowers the held-out error by more than one standard
-    /// error. Several runs are necessary, because in a part of a single run in which the joint moves in one direction, an
-    /// offset cannot be distinguished from friction.
+    /// Allows a joint a larger standard deviation of its offsets if this lowers the held-out error by more
+    /// than one standard error. Several runs are necessary: a fold of a single run may contain motion in one
+    /// direction only, in which an offset cannot be distinguished from friction.
     fn choose_spreads(&mut self, layout: &'a Layout, sums: &'a Sums, prior: &Prior) -> Result<()> {
         let mut best = self.held_out(prior)?;
         for joint in layout.rubbing() {

@@ -287,8 +287,8 @@ impl Task<'_> {
     }
 
     /// The task with the kind of gravity compensation that explains the data better, and its sums of
-    /// products. The comparison uses one offset for all runs unless the settings give another kind, because
-    /// offsets of single runs would explain the weight that is not compensated.
+    /// products. The comparison uses one offset for all runs unless the settings give another kind. Offsets
+    /// of single runs would explain the weight that is not compensated.
     fn with_its_compensation(self, progress: &mut dyn FnMut(&str)) -> Result<(Self, Sums)> {
         let sums = self.sums(None);
         if self.gravity != Gravity::Compensated {

@@ -1,5 +1,5 @@
-//! Test whether the effort of one joint has a wrong factor, for example because of another unit, gear or sensor than
-//! described, or because the effort is a percentage of a rated torque.
+//! Test whether the effort of one joint has a wrong factor. Possible reasons are a unit, gear or sensor that
+//! differs from the description, or an effort in percent of a rated torque.
 //!
 //! A body loads several joints, so the efforts of the other joints determine the factor of one joint. Forces that act on a
 //! single joint, for example its friction, do not determine the factor.

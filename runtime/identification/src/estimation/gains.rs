@@ -353,8 +353,8 @@ fn without_negative(matrix: DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// Sums of products of all joints' columns, for all data and without each fold. If there are enough samples
-/// away from the stops of a joint, only these are used, because dry friction jumps at stops and no smooth
-/// term has this jump.
+/// away from the stops of a joint, only these are used. Dry friction jumps at stops, and no smooth term has
+/// this jump.
 fn away_from_stops(centred: &Centred) -> (Vec<DMatrix<f64>>, Vec<Vec<DMatrix<f64>>>) {
     let (mut all, mut without) = (centred.all.clone(), centred.without.clone());
     let Some(away) = &centred.sums.away else { return (all, without) };

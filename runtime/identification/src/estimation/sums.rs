@@ -45,10 +45,10 @@ pub(super) struct Sums {
 
 /// Cuts runs into contiguous pieces and assigns the pieces to folds.
 ///
-/// If there are at most half as many runs as folds, each fold is one contiguous part of all samples. If there are more runs,
-/// each run is halved, and the halves are in different folds, so that the offset of the run can be estimated from the other
-/// half. Runs that repeat a motion are in the same folds. Otherwise the fit would know the motion of the held-out run, and
-/// the error would not measure the prediction of other motions.
+/// If there are at most half as many runs as folds, each fold is one contiguous part of all samples. If there
+/// are more runs, each run is halved, and the halves are in different folds. The offset of the run can then
+/// be estimated from the other half. Runs that repeat a motion are in the same folds. Otherwise the fit would
+/// know the motion of the held-out run, and the error would not measure the prediction of other motions.
 pub(super) fn cut(runs: &[PreparedRun], folds: usize) -> Vec<Piece> {
     let pairs = (folds / 2).max(1);
     if runs.len() > pairs {

@@ -123,7 +123,7 @@ impl Turning<'_> {
         runs.iter().map(of_run).sum::<f64>() < 0.0
     }
 
-    /// Gravity turned by the angles.
+    /// Gravity, turned by the small `angles` [rad] towards two directions perpendicular to it.
     fn turned(&self, angles: &DVector<f64>) -> Vector3<f64> {
         let size = self.gravity.norm();
         let turned = self.gravity + (self.across[0] * angles[0] + self.across[1] * angles[1]) * size;

@@ -39,8 +39,9 @@ impl<'a> FrameInputs<'a> {
         robot.has_inputs_at_frames().then(|| Self { robot, torques: Torques::of(robot, share) })
     }
 
-    /// Name of the first limit that a motion exceeds; `None` if all limits are kept. The limit is that of an input or motor
-    /// that would need more than its usable range, or a dead centre, near which inputs need very large forces.
+    /// Name of the first limit that a motion exceeds; `None` if all limits are kept. It is the limit of an
+    /// input or motor that would need more than its usable range. It can also be a dead centre, near which
+    /// inputs need very large forces.
     pub(super) fn exceeded(&self, instants: &[Instant]) -> Option<String> {
         let mut side = 0.0;
         instants.iter().find_map(|instant| {
@@ -96,8 +97,8 @@ pub(super) fn input_matrix(robot: &dyn Robot, y: &[f64]) -> DMatrix<f64> {
     matrix
 }
 
-/// Narrows the limits of joints to one side of the dead centre of their cylinder, where the lever is at least a share of the
-/// longest lever ([`levels::SHORT`]). Returns a sentence for each of these joints.
+/// Narrows the limits of joints to one side of the dead centre of their cylinder. There the lever is at least
+/// the share [`levels::SHORT`] of the longest lever. Returns a sentence for each of these joints.
 pub(super) fn keep_sides(robot: &dyn Robot, chart: &Chart, limits: &mut [ExcitationLimits]) -> Vec<String> {
     if !robot.has_inputs_at_frames() {
         return Vec::new();

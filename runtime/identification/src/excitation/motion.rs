@@ -62,7 +62,7 @@ impl FourierMotion {
         pairs.flatten().for_each(|x| *x *= size);
     }
 
-    /// Scales and shifts the motion of each joint so that the limits hold at the sampled times, and so that the motion
+    /// Scales and shifts the motion of each joint. The limits then hold at the sampled times, and the motion
     /// nearly reaches one of them.
     pub(super) fn fit_into(&mut self, limits: &[ExcitationLimits], samples: usize) {
         self.center.fill(0.0);

@@ -7,11 +7,11 @@ use nalgebra::{DMatrix, DVector, Dyn, SVD};
 
 /// Largest error of a force of the inputs, as a share of the largest required force.
 const RESIDUAL: f64 = 1e-9;
-/// Share of the largest singular value of the input matrix B below which a singular value counts as zero, for
-/// example if a cylinder is at its dead centre.
+/// Singular values of the input matrix B below this share of the largest one count as zero, for example if a
+/// cylinder is at its dead centre.
 pub(super) const SINGULAR: f64 = 1e-9;
 /// Number of corrections of the solution. The decomposition has an error of 6e-6 of the forces if columns of
-/// the input matrix B differ much in size, for example columns of geared motors and of cylinders. Each
+/// the input matrix B differ much in size. Examples are columns of geared motors and of cylinders. Each
 /// correction multiplies the error by 6e-6.
 const CORRECTIONS: usize = 3;
 /// Share of an input's range by which it may exceed its limits, for rounding near an end at 0.

@@ -15,9 +15,9 @@ use super::task::CommonTerms;
 use nalgebra::{DMatrix, DVector};
 
 impl Errors {
-    /// Standard errors that include two effects that the residuals do not show: the covariance of the
-    /// estimate of all joints, if it is larger, and the changes of the estimate and of the law if the samples
-    /// near rests and reversals are left out.
+    /// Standard errors that include two effects that the residuals do not show. The first is the covariance
+    /// of the estimate of all joints, if it is larger. The second is the change of the estimate and of the
+    /// law if the samples near rests and reversals are left out.
     ///
     /// - `common`: terms of the estimate of all joints, and the matrix that maps their coefficients to those
     ///   of the law

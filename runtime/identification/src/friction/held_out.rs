@@ -30,9 +30,8 @@ pub(super) struct HeldOutErrors {
 }
 
 impl HeldOutErrors {
-    /// Share of the torque's variation that laws explain on held-out data, `1 − (RSS + more) / (Σ (τ − τ̄)² +
-    /// more)`, with the residual sum of squares RSS and the torque τ with the mean τ̄; `None` if the torque
-    /// never changes.
+    /// R² of the laws on held-out data, `1 − (RSS + more) / (Σ (τ − τ̄)² + more)`, with the residual sum of
+    /// squares RSS and the torque τ with the mean τ̄; `None` if the torque never changes.
     ///
     /// - `more`: sum of squares that outliers add
     pub(super) fn r_squared(&self, more: f64) -> Option<f64> {

@@ -1,13 +1,14 @@
 //! Primal-dual interior-point method for a quadratic function over positive semidefinite 4 × 4 blocks.
 //!
-//! The problem is `minimize ½ uᵀ H u − gᵀ u`. The first `10 · blocks` entries of u are symmetric 4 × 4 matrices `S ⪰ 0`. The
-//! ten entries of a matrix are its diagonal, then the entries above the diagonal times √2, so that scalar products of vectors
-//! equal scalar products of matrices. The entries with the indices `scalars` are ≥ 0. All other entries are free. The solution
-//! and the multipliers z of the cones satisfy `H u − g − z = 0`, `z ⪰ 0` and `uᵀ z = 0`, and z is zero for the free entries.
+//! The problem is `minimize ½ uᵀ H u − gᵀ u`. The first `10 · blocks` entries of u are symmetric 4 × 4
+//! matrices `S ⪰ 0`. The ten entries of a matrix are its diagonal, then the entries above the diagonal times
+//! √2. Scalar products of vectors therefore equal scalar products of matrices. The entries with the indices
+//! `scalars` are ≥ 0. All other entries are free. The solution and the multipliers z of the cones satisfy `H
+//! u − g − z = 0`, `z ⪰ 0` and `uᵀ z = 0`, and z is zero for the free entries.
 //!
-//! Each iteration linearizes `S Z = μ 1` in the scaling of Nesterov and Todd (1998), in which S and Z are the same diagonal
-//! matrix Λ, with predictor and corrector (Mehrotra 1992). The steps of u and z have the same length, as a quadratic objective
-//! requires.
+//! Each iteration linearizes `S Z = μ 1` in the scaling of Nesterov and Todd (1998), in which S and Z are the
+//! same diagonal matrix Λ. It has a predictor and a corrector (Mehrotra 1992). The steps of u and z have the
+//! same length, as a quadratic objective requires.
 
 use crate::numeric::spectrum;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix4, Vector4};
@@ -300,8 +301,8 @@ impl Cone<'_> {
         }
     }
 
-    /// Residual `H u − g − z` of the optimality condition at the point u with the multipliers z, and the
-    /// largest of its entries, each divided by one plus the size of its terms.
+    /// Residual `H u − g − z` of the optimality condition at the point u with the multipliers z, and its
+    /// largest entry. For the largest entry, each entry is divided by one plus the size of its terms.
     fn residual(&self, u: &DVector<f64>, z: &DVector<f64>) -> (DVector<f64>, f64) {
         let product = self.hessian * u;
         let sizes = self.hessian.abs() * u.abs();

@@ -164,9 +164,9 @@ impl Equations {
         Ok(Reduced { hessian: (&hessian + hessian.transpose()) * 0.5, linear, factor, coupling, right })
     }
 
-    /// Covariance of the load's parameters, for errors that are correlated within blocks of time. It is the sandwich
-    /// covariance with the scores of the blocks, plus the effect of errors of the description and of the reference ball with a
-    /// distance of one.
+    /// Covariance of the load's parameters, for errors that are correlated within blocks of time. It is the
+    /// sandwich covariance with the scores of the blocks, plus the effect of errors of the description and of
+    /// the reference ball. These errors have the distance one.
     pub(super) fn covariance(
         &self,
         weights: &[f64],

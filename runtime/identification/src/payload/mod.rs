@@ -7,8 +7,9 @@
 //! equal motions π_L then explains the difference of the efforts, `W_b π_L = Δτ`. The load must be a physically possible body
 //! (pseudo-inertia ⪰ 0).
 //!
-//! The rows of joints with a quaternion have neither friction nor an offset, and all their samples are used. In the rows of
-//! other joints, samples at which the joint is at rest are left out, because its dry friction then holds a part of the load.
+//! The rows of joints with a quaternion have neither friction nor an offset, and all their samples are used.
+//! In the rows of other joints, samples at rest are left out, because the dry friction of the joint then
+//! holds a part of the load.
 //!
 //! Friction and offset are assumed to be the same in both logs. Therefore load-dependent friction makes the estimated load too
 //! heavy.

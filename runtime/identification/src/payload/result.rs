@@ -10,8 +10,9 @@ pub(crate) const NAMES: [&str; PER_BODY] =
 
 /// A load, in the frame of the body that carries it.
 ///
-/// The intervals take correlated residuals into account. For parameters that the motion does not determine, they also include
-/// the possible errors of the description and of the reference ball, a ball of 1500 kg/m³ with the load's mass.
+/// The intervals take correlated residuals into account. For parameters that the motion does not determine,
+/// they also include possible errors of the description and of the reference ball. The reference ball has
+/// 1500 kg/m³ and the load's mass.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Payload {
     /// Index of the body that carries the load, from 0.

@@ -99,8 +99,9 @@ levels! {
     /// Smallest and largest delay of the search in s. If a delay is negative, the positions are late.
     DELAYS: [f64; 2] = [-0.08, 0.08];
 
-    /// Range of delays, in s, that is searched first. The larger range [`DELAYS`] is searched only if most efforts fit best
-    /// at the negative end of this range, because errors of the model imitate large delays.
+    /// Range of delays, in s, that is searched first. The larger range [`DELAYS`] is searched only if most
+    /// efforts fit best at the negative end of this range. The reason is that errors of the model imitate
+    /// large delays.
     USUAL_DELAYS: [f64; 2] = [-0.02, 0.08];
 
     /// Step of the coarse grid of delays in s.

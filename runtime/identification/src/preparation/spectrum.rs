@@ -73,10 +73,10 @@ impl Spectrum {
     /// Returns the spectral density of the white noise of the positions in unit²/Hz; 0 if there are no data. The density is
     /// the lowest mean over half an octave at or below `highest` in Hz.
     ///
-    /// Motion decreases with the frequency, but white noise does not. Therefore the lowest mean is an upper bound of the
-    /// noise. It equals the noise if the sampling is fast enough for a band without motion. Half octaves with less than an
-    /// eighth of the bins of the fullest half octave are left out, because the smallest of many inaccurate means would be
-    /// too low.
+    /// Motion decreases with the frequency, but white noise does not. Therefore the lowest mean is an upper
+    /// bound of the noise. It equals the noise if the sampling is fast enough for a band without motion. Half
+    /// octaves with less than an eighth of the bins of the fullest half octave are left out. Their means are
+    /// inaccurate, and the smallest of many inaccurate means would be too low.
     pub(crate) fn floor(&self, highest: f64) -> f64 {
         let top = band(highest).min(BANDS - 1);
         let sums = |bands: &[Band]| {

@@ -208,10 +208,10 @@ pub struct FrictionResult {
     pub freedom: f64,
     /// Smallest and largest velocity in the data, in rad/s or m/s. Outside of this range the law is extrapolated.
     pub velocity_range: [f64; 2],
-    /// Speed above which the filter does not distort the law, in rad/s or m/s; `None` if the torques were not filtered.
-    /// It is the tenth smallest speed of the samples that lie outside the reach of the filter around rests and reversals,
-    /// or the largest speed if there are fewer than ten of these samples. Below this speed, nearly all samples were changed
-    /// by the filter.
+    /// Speed above which the filter does not distort the law, in rad/s or m/s; `None` if the torques were not
+    /// filtered. It is the tenth smallest speed of the samples at which no rest or reversal is within the
+    /// reach of the filter. If there are fewer than ten of these samples, it is the largest speed. Below this
+    /// speed, nearly all samples were changed by the filter.
     pub resolved_from: Option<f64>,
     /// Root mean square of the residual, in N·m or N.
     pub residual: f64,

@@ -53,14 +53,14 @@ impl<V: Vector> Bounds<V> {
     }
 
     /// Sets the largest diagonal term `W_max` of the Newton system. With larger terms, smaller weights would
-    /// lose digits, for example the input weights `R` in `R + BᵀWB`. A step that uses `λ/W_max` with the
-    /// multiplier λ instead of a smaller slack is still a Newton step to second order, because `dλ` vanishes
-    /// at the optimum.
+    /// lose digits, for example the input weights `R` in `R + BᵀWB`. Steps then use `λ/W_max` with the
+    /// multiplier λ instead of a smaller slack. Such a step is still a Newton step to second order, because
+    /// `dλ` vanishes at the optimum.
     pub(super) fn cap_weights(&mut self, cap: f64) {
         self.cap = [V::splat(cap), V::splat(1.0 / cap)];
     }
 
-    /// Calls [`Self::linearize_as`] with or without soft bounds.
+    /// Linearizes the bounds by [`Self::linearize_as`], with or without soft bounds.
     pub(super) fn linearize(
         &mut self,
         soft: bool,
@@ -78,12 +78,12 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Calls [`Self::predictor_as`] with or without soft bounds.
+    /// Computes the affine steps by [`Self::predictor_as`], with or without soft bounds.
     pub(super) fn predictor(&mut self, soft: bool, dz: &[V]) -> Totals {
         vectorized!(V, { if soft { self.predictor_as::<true>(dz) } else { self.predictor_as::<false>(dz) } })
     }
 
-    /// Calls [`Self::centre_as`] with or without soft bounds.
+    /// Computes the gradient of the centred step by [`Self::centre_as`], with or without soft bounds.
     pub(super) fn centre(&mut self, soft: bool, gradient: &[V], target: f64, correction: f64, rhs: &mut [V]) {
         vectorized!(V, {
             if soft {
@@ -94,7 +94,7 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Calls [`Self::corrector_as`] with or without soft bounds.
+    /// Computes the centred steps by [`Self::corrector_as`], with or without soft bounds.
     pub(super) fn corrector(&mut self, soft: bool, dz: &[V], target: f64, correction: f64) -> Totals {
         vectorized!(V, {
             if soft {
@@ -105,7 +105,7 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Calls [`Self::advance_as`] with or without soft bounds.
+    /// Takes a step by [`Self::advance_as`], with or without soft bounds.
     pub(super) fn advance(&mut self, soft: bool, length: f64) {
         vectorized!(V, {
             if soft {

@@ -37,9 +37,9 @@ pub struct TotalVariation {
 pub enum Regularization {
     /// A given weight γ of the variation.
     Weight(f64),
-    /// Standard deviation σ of the signal's noise. By the discrepancy principle (Morozov 1966), the weight γ
-    /// of the variation is the largest one for which the rms of the smoothed minus the measured signal does
-    /// not exceed σ, apart from a margin for chance.
+    /// Standard deviation σ of the signal's noise. The weight γ of the variation follows from the discrepancy
+    /// principle (Morozov 1966). It is the largest γ for which the rms of the smoothed minus the measured
+    /// signal does not exceed σ, apart from a margin for chance.
     Noise(f64),
 }
 
@@ -69,9 +69,8 @@ impl TotalVariation {
         }
     }
 
-    /// Creates settings with the weight γ of the variation from the standard deviation `sigma` of the
-    /// signal's noise (see [`super::quantization_noise`]), and with a penalty on the variation of the second
-    /// derivative.
+    /// Creates settings with a penalty on the variation of the second derivative. The weight of the penalty
+    /// follows from the standard deviation `sigma` of the signal's noise (see [`super::quantization_noise`]).
     pub fn from_noise(sigma: f64) -> Self {
         Self {
             order: 2,

@@ -60,9 +60,9 @@ fn shown(data: &Data, state: &Normal) -> SMatrix<f64, 5, 5> {
     information
 }
 
-/// Returns the inverse of the matrix H of the normal equations with zeros for parameters that are not
-/// identifiable, a flag for each parameter that is not identifiable, and the condition number of the scaled
-/// sensitivities.
+/// Returns the inverse of the matrix H of the normal equations, a flag for each parameter that is not
+/// identifiable, and the condition number of the scaled sensitivities. The rows and columns of parameters
+/// that are not identifiable are zero.
 fn inverse(h: &SMatrix<f64, 5, 5>) -> (SMatrix<f64, 5, 5>, [bool; 5], f64) {
     let d = h.diagonal().map(|h| if h > 0.0 { h.sqrt() } else { 1.0 });
     let scaled = SMatrix::<f64, 5, 5>::from_fn(|i, j| h[(i, j)] / (d[i] * d[j]));
