@@ -109,8 +109,9 @@ pub(super) struct Track {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bank {
     pub tracks: [Track; RATES],
-    /// Noise variance, and its weight in samples.
+    /// Variance of the noise.
     pub noise: f64,
+    /// Weight of the noise variance, as a number of samples.
     pub taken: f64,
 }
 

@@ -24,8 +24,9 @@ pub(super) const CELLS: usize = 2 * POSITIONS;
 pub(super) struct Correlation {
     pub counts: [f64; CELLS],
     pub sums: [f64; CELLS],
-    /// Leaky sums of the squares of residuals, and of the products of consecutive residuals.
+    /// Leaky sum of the squares of residuals.
     pub squares: f64,
+    /// Leaky sum of the products of consecutive residuals.
     pub products: f64,
     /// Previous residual; 0 after a pause.
     pub last: f64,

@@ -394,9 +394,9 @@ impl<const N: usize> Adaptation<N> {
 /// Largest speed, effort and range of a joint, from limits or data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Magnitudes {
-    /// Largest speed [rad/s or m/s].
+    /// Largest speed of the joint [rad/s or m/s].
     pub speed: f64,
-    /// Largest effort [N m or N]; infinite if unknown.
+    /// Largest effort of the joint's drive [N m or N]; infinite if unknown.
     pub effort: f64,
     /// Width of the range of positions [rad or m]; infinite if unlimited.
     pub range: f64,

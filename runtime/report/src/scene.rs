@@ -139,8 +139,9 @@ pub struct SceneFrame {
     pub rotation: [[f64; 3]; 3],
 }
 
-/// Range of the slider of a joint without limits: 180° or half a metre in both directions.
+/// Largest angle on the slider of a revolute joint without limits, in both directions (rad).
 const TURN: f64 = std::f64::consts::PI;
+/// Largest displacement on the slider of a prismatic joint without limits, in both directions (m).
 const SLIDE: f64 = 0.5;
 
 impl SceneJoint {

@@ -41,8 +41,9 @@ pub(super) struct State<const N: usize, const M: usize, const NY: usize> {
     pub index: u64,
     pub reference: Reference,
     pub guard: EncoderGuard<N>,
-    /// Last plausible positions, and last desired positions.
+    /// Last plausible positions.
     pub believed: Unwrapped<N, NY>,
+    /// Last desired positions.
     pub desired: Unwrapped<N, NY>,
     pub filter: VelocityFilter<N>,
     /// Inputs that the robot holds.

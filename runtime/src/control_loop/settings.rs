@@ -61,12 +61,12 @@ pub struct LoopSettings<const N: usize, const M: usize> {
     pub velocity_time_constant: f64,
     /// Speed below which a coordinate counts as at rest [rad/s or m/s].
     pub standstill_speed: [f64; N],
-    /// Duration of a controlled stop of the trajectory (s).
+    /// Duration of a controlled stop of the trajectory, 0 to 60 s.
     pub stop_time: f64,
-    /// Time between the end of the trajectory and the brake command (s). If the robot is not at rest after this
-    /// time, the loop waits for at most `stop_time` longer.
+    /// Time between the end of the trajectory and the brake command, 0 to 60 s. If the robot is not at rest
+    /// after this time, the loop waits for at most `stop_time` longer.
     pub settling_time: f64,
-    /// Time that the brakes need to release (s). During this time the inputs hold the start position.
+    /// Time that the brakes need to release, 0 to 60 s. During this time the inputs hold the start position.
     pub release_time: f64,
     /// Number of periods without a valid reading after which the loop refuses to start.
     pub start_periods: u32,

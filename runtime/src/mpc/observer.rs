@@ -71,8 +71,9 @@ pub struct DisturbanceObserver<const N: usize, const M: usize, const NY: usize =
     positions: [f64; NY],
     velocities: [f64; N],
     disturbance: [f64; M],
-    /// Covariance of the augmented state (y, ẏ, d), in rows of 2 N + M entries. `work` is memory for its prediction.
+    /// Covariance of the augmented state (positions, velocities, disturbance), in rows of 2 N + M entries.
     covariance: Vec<f64>,
+    /// Memory for the prediction of the covariance.
     work: Vec<f64>,
     /// Transpose of the sensitivity matrix F of the last prediction, without the columns of the disturbance.
     transition: Vec<f64>,

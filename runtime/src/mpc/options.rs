@@ -117,7 +117,7 @@ pub struct MpcOptions<const N: usize, const M: usize, const NR: usize = 0> {
     pub input_limits: [[f64; 2]; M],
     /// Soft lower and upper bounds of the positions [rad or m]; infinite for positions without a bound.
     pub position_limits: [[f64; 2]; N],
-    /// Soft bounds of the speeds [rad/s or m/s]; infinite for speeds without a bound.
+    /// Soft bounds of the speeds, > 0 [rad/s or m/s]; infinite for speeds without a bound.
     pub velocity_limits: [f64; N],
     /// Probability p, above 1/2 and below 1, that a predicted input, position or speed keeps a limit if the
     /// friction of the model is uncertain ([`Dynamics::friction_uncertainty`]). The plan keeps narrowed

@@ -41,9 +41,11 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     pub(super) rows: Rows<V, NX, NU, NR>,
     /// Bounds of the inputs.
     pub(super) input_bounds: Bounds<V>,
+    /// Bounds of the states and rows.
     pub(super) state_bounds: Bounds<V>,
-    /// Inputs whose bounds are equal, and hard states and rows whose bounds are equal.
+    /// Inputs whose bounds are equal.
     pub(super) fixed: Fixed<V>,
+    /// Hard states and rows whose bounds are equal.
     pub(super) equalities: Equalities<V>,
     /// Whether penalties have replaced hard bounds and rows.
     pub(super) softened: bool,
@@ -52,8 +54,9 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     pub(super) affine: Vec<V>,
     /// Gap that always counts as zero, see [`QpSettings::tolerance`].
     pub(super) negligible: f64,
-    /// Linear cost, and the constant cost of the input before the horizon.
+    /// Linear cost.
     pub(super) linear: Trajectory<V>,
+    /// Constant cost of the input before the horizon.
     pub(super) constant: f64,
     pub(super) iterate: Trajectory<V>,
     /// The solution that is returned.
@@ -61,8 +64,9 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     pub(super) step: Trajectory<V>,
     /// Gradient of the cost at the iterate.
     pub(super) gradient: Trajectory<V>,
-    /// Right-hand side of the Newton step, and diagonal barrier terms.
+    /// Right-hand side of the Newton step.
     pub(super) rhs: Trajectory<V>,
+    /// Diagonal barrier terms.
     pub(super) weight: Trajectory<V>,
     /// Multipliers of the solution.
     pub(super) multipliers: [Multipliers<V>; 2],
@@ -74,6 +78,7 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     pub(super) kept_multipliers: [Multipliers<V>; 2],
     /// Certificate after all starts; `None` if the problem is solved.
     pub(super) unsolved: Option<Certificate>,
+    /// Whether the last problem was solved.
     pub(super) solved: bool,
     /// Pause of Newton's method after failed warm starts.
     pub(super) pause: Pause,

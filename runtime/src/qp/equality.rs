@@ -141,8 +141,9 @@ pub(super) struct Equalities<V> {
     targets: Targets<V>,
     /// Weight W of the squared violation of an equality.
     weight: V,
-    /// Multipliers π of the equalities, and their step.
+    /// Multipliers π of the equalities.
     force: Vec<V>,
+    /// Step of the multipliers of the equalities.
     step: Vec<V>,
 }
 

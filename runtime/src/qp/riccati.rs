@@ -53,9 +53,11 @@ pub(crate) struct Riccati<V, const NX: usize, const NU: usize> {
     pub(super) b: Vec<V>,
     /// Rows of the input matrices `B_k`, `NX` padded rows per stage.
     pub(super) b_rows: Vec<V>,
-    /// Columns of the state weight Q and of the terminal weight, and rows of the input weight R.
+    /// Columns of the state weight Q.
     pub(super) q: Vec<V>,
+    /// Columns of the terminal weight.
     pub(super) terminal: Vec<V>,
+    /// Rows of the input weight R.
     pub(super) r: [[f64; NU]; NU],
     /// Largest magnitude of an entry of the weights of states, inputs and input changes.
     pub(super) largest: f64,
@@ -70,15 +72,17 @@ pub(crate) struct Riccati<V, const NX: usize, const NU: usize> {
     pub(super) ldl: Vec<[[f64; NU]; NU]>,
     /// Columns of the cost-to-go matrix: `P⁺` of the next stage and, after a stage, `P` of this stage.
     p: Vec<V>,
-    /// Columns of `P⁺ A` and `P⁺ B`, with the cost-to-go matrix P⁺ of the next stage and the system matrices
-    /// A and B.
+    /// Columns of `P⁺ A` with the cost-to-go matrix P⁺ of the next stage and the state matrix A.
     pa: Vec<V>,
+    /// Columns of `P⁺ B` with the cost-to-go matrix P⁺ of the next stage and the input matrix B.
     pb: Vec<V>,
     /// Columns of the lower triangle of the input Hessian `R̃ + BᵀP⁺B`, with the input weights R̃, the input
     /// matrix B and the cost-to-go matrix P⁺ of the next stage.
     h: Vec<V>,
-    /// Rows of `Y = Λ⁻¹BᵀP⁺A` and of `−D⁻¹Y`, with the factors Λ and D of the input Hessian.
+    /// Rows of `Y = Λ⁻¹BᵀP⁺A`, with the factor Λ of the input Hessian, the system matrices A and B, and the
+    /// cost-to-go matrix P⁺ of the next stage.
     y: Vec<V>,
+    /// Rows of `−D⁻¹Y` with the factors D of the input Hessian and `Y` of the gain.
     z: Vec<V>,
     /// Columns of `S`, the block of the cost-to-go matrix for the state and the previous input.
     s: Vec<V>,

@@ -20,8 +20,9 @@ pub(super) const OTHER_FACTOR: Rule = Rule::error("other-factor");
 
 /// Factors that are tried first.
 const TRIED: [f64; 12] = [0.05, 0.1, 0.2, 0.33, 0.5, 0.7, 1.4, 2.0, 3.0, 5.0, 10.0, 20.0];
-/// Factor of one refinement step around the best candidate, and number of steps to each side.
+/// Ratio of neighbouring factors in the refinement around the best candidate.
 const FINE: f64 = 1.05;
+/// Number of factors on each side of the best candidate in the refinement.
 const STEPS: i32 = 8;
 
 /// Whether the fit explains the effort of every joint sufficiently.

@@ -33,10 +33,11 @@ use nalgebra::{DMatrix, DVector};
 /// Smallest usable share of the squared described force that friction and inertia do not explain. A smaller share is due to
 /// rounding.
 const LEAST: f64 = 1e-6;
-/// Longest step of the logarithm of a gain, largest number of steps, and step below which the iteration has
-/// settled.
+/// Longest step of the logarithm of a gain.
 const STEP: f64 = 1.0;
+/// Largest number of steps of the iteration for the gains.
 const STEPS: u32 = 200;
+/// Step of the logarithms of the gains below which the iteration has settled.
 const SETTLED: f64 = 1e-4;
 
 /// Gains of the drives of all joints, with their covariance.
@@ -163,19 +164,22 @@ fn sign(layout: &Layout, products: &DMatrix<f64>, joint: usize) -> f64 {
 /// The equations of all joints for the logarithms of the gains.
 struct Equations<'a> {
     centred: &'a Centred<'a>,
-    /// Sums of products of each joint's columns, for all data (`all`) and without each fold (`without`).
+    /// Sums of products of each joint's columns, for all data.
     all: Vec<DMatrix<f64>>,
+    /// Sums of products of each joint's columns, without each fold.
     without: Vec<Vec<DMatrix<f64>>>,
     /// For each joint, the number of correlated samples that count as one independent sample.
     times: Vec<f64>,
-    /// Joints with unknown gains, their gains according to [`Projection`] (`first`), and the inverse of the covariance of the
-    /// logarithms of these gains (`precision`).
+    /// Indices of the joints with unknown gains.
     joints: &'a [usize],
+    /// First values of the unknown gains, according to [`Projection`].
     first: Vec<f64>,
+    /// Inverse of the covariance of the logarithms of the first gains.
     precision: DMatrix<f64>,
     active: Vec<usize>,
-    /// Number of inertial parameters among the active unknowns, and their metric.
+    /// Number of inertial parameters among the active unknowns.
     bodies: usize,
+    /// Metric of the inertial parameters among the active unknowns.
     metric: DMatrix<f64>,
 }
 
@@ -184,10 +188,11 @@ struct At {
     values: Values,
     /// Weights of the joints' equations in units of force.
     weights: Vec<f64>,
-    /// Negative logarithm of the likelihood, its negative gradient with respect to ln K (the logarithms of
-    /// the gains), and its curvature.
+    /// Negative logarithm of the likelihood.
     objective: f64,
+    /// Negative gradient of the objective with respect to the logarithms of the gains.
     score: DVector<f64>,
+    /// Curvature of the objective with respect to the logarithms of the gains.
     curvature: DMatrix<f64>,
     /// Derivatives of the active unknowns with respect to ln K, for each unknown gain K.
     slopes: DMatrix<f64>,

@@ -17,8 +17,9 @@ const FROM_MEDIAN: f64 = 1.4826;
 pub(super) struct Forces {
     pub(super) measured: Vec<Vec<Vec<f64>>>,
     pub(super) residual: Vec<Vec<Vec<f64>>>,
-    /// Forces of the rigid body with the estimated inertial parameters (`rigid`) and with the described ones.
+    /// Forces of the rigid body with the estimated inertial parameters.
     pub(super) rigid: Vec<Vec<Vec<f64>>>,
+    /// Forces of the rigid body with the described inertial parameters.
     pub(super) described: Vec<Vec<Vec<f64>>>,
     /// Load-dependent friction; empty if the layout does not have this term.
     pub(super) load: Vec<Vec<Vec<f64>>>,

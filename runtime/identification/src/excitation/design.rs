@@ -36,10 +36,11 @@ pub(super) struct Design<'a> {
     /// Indices of linearly independent columns of the regressor W.
     pub(super) independent: Vec<usize>,
     columns: usize,
-    /// Largest force of each joint or shaft (`efforts`), largest torque of each shaft's motor (`torques`),
-    /// and weights 1/σ of the forces with the standard deviation σ (`weights`).
+    /// Largest force of each joint or shaft.
     efforts: Vec<f64>,
+    /// Largest torque of each shaft's motor.
     torques: Vec<f64>,
+    /// Weights 1/σ of the forces, with the standard deviation σ of each force.
     weights: Vec<f64>,
     sign_speeds: Vec<f64>,
     /// Limits of joints that follow other joints, and no-load speeds of the motors.

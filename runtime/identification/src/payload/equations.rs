@@ -57,9 +57,9 @@ pub(super) struct Reduced {
     pub hessian: DMatrix<f64>,
     pub linear: DVector<f64>,
     factor: Cholesky<f64, Dyn>,
-    /// Products of the columns of the description's error and of friction with those of the load (`coupling`)
-    /// and with the target (`right`).
+    /// Products of the columns of the description's error and of friction with the columns of the load.
     coupling: DMatrix<f64>,
+    /// Products of the columns of the description's error and of friction with the target.
     right: DVector<f64>,
 }
 

@@ -5,9 +5,9 @@ use super::super::lanes::{Vector, largest};
 /// Lower or upper side of four bounds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Side<V> {
-    /// Bound; 0 if the bound is infinite. `active` is 1 for a finite bound and 0 for an infinite bound. Slack and
-    /// multiplier of an infinite bound remain 1.
+    /// Bound; 0 if the bound is infinite.
     pub(super) bound: V,
+    /// 1 for a finite bound, 0 for an infinite bound. Slack and multiplier of an infinite bound remain 1.
     pub(super) active: V,
     /// `1/max(1, |bound|)` for a finite bound, 0 for an infinite bound. This factor makes violations relative to the size
     /// of the bound.
@@ -16,16 +16,20 @@ pub(super) struct Side<V> {
     pub(super) multiplier: V,
     /// Primal residual of the bound, at the variable and its slack.
     residual: V,
-    /// Diagonal term W, and inverses of the slack s and of its multiplier λ, at the present iterate.
+    /// Diagonal term of the Newton system.
     pub(super) weight: V,
+    /// Inverse of the slack at the present iterate.
     inverse_slack: V,
+    /// Inverse of the multiplier at the present iterate.
     inverse_multiplier: V,
-    /// Inverse `1/s̃`, and `s̃ − s`, for the slack `s̃ = max(s, λ/W_max)` of the Newton system. s is the
-    /// slack, λ its multiplier, and W_max the largest diagonal term.
+    /// Inverse `1/s̃` of the slack `s̃ = max(s, λ/W_max)` of the Newton system. s is the slack, λ its
+    /// multiplier, and W_max the largest diagonal term.
     inverse_damped: V,
+    /// Difference between the slack of the Newton system and the slack.
     excess: V,
-    /// Steps of slack and multiplier. After the predictor they are the affine steps.
+    /// Step of the slack. After the predictor it is the affine step.
     ds: V,
+    /// Step of the multiplier. After the predictor it is the affine step.
     dl: V,
 }
 
@@ -40,9 +44,10 @@ pub(super) struct Softening<V> {
     pub(super) w2: V,
     pub(super) t: V,
     pub(super) nu: V,
-    /// `D = ν + w₂ t`, and the inverse of `Δ = D s + t λ`, with the softening t, its multiplier ν, the
-    /// quadratic penalty w₂, the slack s and its multiplier λ.
+    /// `D = ν + w₂ t` with the softening t, its multiplier ν and the quadratic penalty w₂.
     d: V,
+    /// Inverse of `Δ = D s + t λ` with `D = ν + w₂ t`, the softening t, its multiplier ν, the quadratic
+    /// penalty w₂, the slack s and its multiplier λ.
     inverse_delta: V,
     inverse_t: V,
     inverse_nu: V,

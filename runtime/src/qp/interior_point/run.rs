@@ -15,11 +15,13 @@ pub(super) const PATIENCE: usize = 3;
 /// State at the start of an iteration.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct State {
-    /// Quadratic part `zᵀHz` of the cost with the Hessian H at the iterate z, and the cost.
+    /// Quadratic part `zᵀHz` of the cost with the Hessian H at the iterate z.
     pub(super) quadratic: f64,
+    /// Cost at the iterate.
     pub(super) cost: f64,
-    /// Sum `Σ sλ` over slacks s and multipliers λ, and the largest residual of a bound or row.
+    /// Sum `Σ sλ` over slacks s and multipliers λ.
     pub(super) gap: f64,
+    /// Largest residual of a bound or row.
     pub(super) residual: f64,
     /// Largest multiplier of a bound or row.
     pub(super) force: f64,
@@ -55,9 +57,11 @@ pub(super) struct Run {
     pub(super) best: (f64, f64),
     /// Residual at the last test for stalling.
     pub(super) checkpoint: f64,
-    /// A merit and the number of iterations since it was reached. `progress` requires a decrease to 90 %,
-    /// `pace` to 50 %.
+    /// A merit, and the number of iterations since it was reached. The next merit that is stored is below 90
+    /// % of it.
     pub(super) progress: (f64, usize),
+    /// A merit, and the number of iterations since it was reached. The next merit that is stored is below 50
+    /// % of it.
     pub(super) pace: (f64, usize),
 }
 

@@ -124,8 +124,9 @@ pub(super) fn is_number(word: &str) -> bool {
     word.bytes().all(|b| b.is_ascii_digit())
 }
 
-/// Shortest part of a German compound, and the letters between two parts.
+/// Smallest number of letters of a part of a German compound.
 const SHORTEST: usize = 3;
+/// Letters between two parts of a German compound.
 const LINKS: [&str; 4] = ["", "s", "n", "en"];
 
 /// Returns the English words for a word in lower case. A word without a translation is returned unchanged.

@@ -8,8 +8,9 @@ use crate::error::{IdentificationError, Result};
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
-/// Size of the grid over the parameters a3 and a5, which are the nonlinear parameters of the Stribeck law.
+/// Number of values of the parameter a3 in the grid. a3 is the steepness of the Stribeck law at rest.
 const STEEPNESSES: usize = 8;
+/// Number of values of the parameter a5 in the grid. a5 is the inverse of the Stribeck speed.
 const DECAYS: usize = 6;
 
 /// Largest number of samples in the search.
