@@ -54,7 +54,7 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     pub(super) affine: Vec<V>,
     /// Gap that always counts as zero, see [`QpSettings::tolerance`].
     pub(super) negligible: f64,
-    /// Linear cost.
+    /// Linear part of the cost: its gradient at zero inputs and states.
     pub(super) linear: Trajectory<V>,
     /// Constant cost of the input before the horizon.
     pub(super) constant: f64,

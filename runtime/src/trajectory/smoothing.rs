@@ -42,7 +42,8 @@ pub struct Smoothed<const N: usize> {
 pub struct SmoothedPoses<D, const N: usize, const M: usize, const NY: usize> {
     /// Motion from rest to rest.
     pub trajectory: GeodesicMotion<D, N, M, NY>,
-    /// Largest distance `y ⊖ p` from a recorded position p [rad or m], one entry for each velocity entry.
+    /// Largest distance `y ⊖ p` of the motion's positions y from recorded positions p [rad or m], one entry for each velocity
+    /// entry.
     pub position_deviation: [f64; N],
 }
 
