@@ -64,7 +64,7 @@ impl Clock for MonotonicClock {
 pub struct VirtualClock(Arc<AtomicU64>);
 
 impl VirtualClock {
-    /// A clock at 0.
+    /// A simulated clock whose time is 0.
     #[must_use]
     pub fn new() -> Self {
         Self::default()

@@ -20,16 +20,17 @@ use thiserror::Error;
 /// Inputs for a state, and the residual force that no input can produce.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeedForwardInput<const N: usize, const M: usize> {
-    /// Inputs u_ff [N m, N or A].
+    /// Feed-forward inputs u_ff [N m, N or A].
     pub inputs: [f64; M],
-    /// Residual r = M ÿ + k − q − B u_ff [N m or N]. The residual is zero if B is regular.
+    /// Force that the motion requires but no input can produce [N m or N]. It is zero if the input matrix is
+    /// regular.
     pub residual: [f64; N],
 }
 
 /// Error of the feed-forward.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FeedForwardError {
-    /// An entry of B is NaN or infinite, or B is zero.
+    /// An entry of the input matrix B is NaN or infinite, or B is zero.
     #[error("the input matrix is zero or not finite, so no input acts on the robot")]
     InputMatrix,
     /// The trajectory requires forces that no input can produce.
@@ -54,7 +55,7 @@ pub enum FeedForwardError {
     /// Positions, velocities or the equations of motion are not finite.
     #[error("the trajectory or the equations of motion are not finite at {time} s")]
     NotFinite {
-        /// Time (s).
+        /// Time of the sample that is not finite (s).
         time: f64,
     },
     /// The sampling period is not positive and finite.
@@ -90,11 +91,12 @@ pub enum FeedForwardError {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeedForward<D, const N: usize, const M: usize, const NY: usize = N> {
     model: D,
-    /// B and B⁺ if B is constant because all inputs are drives; `None` otherwise.
+    /// Input matrix B and its pseudo-inverse B⁺ if B is constant because all inputs are drives; `None`
+    /// otherwise.
     constant: Option<Inverted<N, M>>,
 }
 
-/// B with its pseudo-inverse B⁺.
+/// Input matrix B with its pseudo-inverse B⁺.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Inverted<const N: usize, const M: usize> {
     input_matrix: [[f64; M]; N],
@@ -124,7 +126,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
     /// input matrix is unchanged.
     ///
     /// # Errors
-    /// [`FeedForwardError::InputMatrix`] if B is zero or not finite. The old model is then kept.
+    /// [`FeedForwardError::InputMatrix`] if the input matrix B is zero or not finite. The old model is then
+    /// kept.
     pub fn set_model(&mut self, model: D) -> Result<(), FeedForwardError> {
         let is_same =
             |known: Inverted<N, M>| model.drives() == M && model.drive_matrix() == known.input_matrix;
@@ -157,8 +160,9 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
         FeedForwardInput { inputs, residual: inverted.missed(&forces, &inputs) }
     }
 
-    /// The inputs B(y)⁺ f that produce the generalized forces f [N m or N] at the positions y. If no inputs can
-    /// produce f, the result produces the forces closest to f. The result is NaN if B is zero or not finite.
+    /// The inputs B(y)⁺ f that produce the generalized forces f [N m or N] at the positions y, with the
+    /// pseudo-inverse B⁺ of the input matrix B. If no inputs can produce f, the result produces the forces
+    /// closest to f. The result is NaN if B is zero or not finite.
     #[must_use]
     pub fn inputs_for(&self, positions: &[f64; NY], forces: &[f64; N]) -> [f64; M] {
         self.inverted(&self.model, positions).inputs(forces)
@@ -170,7 +174,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Fee
         self.model.at_time(time, |model| self.inverted(model, positions).inputs(forces))
     }
 
-    /// The part `f − B B⁺ f` [N m or N] of the generalized forces f that no inputs can produce at the positions y.
+    /// The part `f − B B⁺ f` [N m or N] of the generalized forces f that no inputs can produce at the
+    /// positions y. B⁺ is the pseudo-inverse of the input matrix B.
     #[must_use]
     pub fn missed(&self, positions: &[f64; NY], forces: &[f64; N]) -> [f64; N] {
         self.missed_by(&self.model, positions, forces)

@@ -24,11 +24,12 @@ pub enum Quantity {
     Position,
     /// Speed of a coordinate or follower [rad/s or m/s].
     Velocity,
-    /// Drive force (B u)_i at a joint [N m or N].
+    /// Drive force at a joint [N m or N], the entry `(B u)_i` of the input matrix B times the inputs u.
     Effort,
     /// Input [N m, N or A].
     Input,
-    /// Sum `u + c ẏ` of the torque–speed line `|u + c ẏ| ≤ U` of a motor, in the unit of the input u.
+    /// Sum `u + c ẏ` of the input u of a motor and of its slopes c times the velocities ẏ, in the unit of u.
+    /// The torque–speed line limits the magnitude of this sum.
     TorqueSpeed,
     /// Force that the trajectory requires at a coordinate, but that no input can produce [N m or N]. The robot
     /// cannot follow such a trajectory.

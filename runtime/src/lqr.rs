@@ -70,9 +70,10 @@ const MAX_REFINEMENTS: usize = 20;
 /// Number of squarings of a matrix. The trace of the resulting power then gives the largest eigenvalue with a
 /// relative error of 1e-15 · ln(32).
 const EIGENVALUE_DOUBLINGS: usize = 50;
-/// Largest accepted residual of the Riccati equation relative to P, unless its rounding error is larger.
+/// Largest accepted residual of the Riccati equation relative to its solution, unless the rounding error of
+/// the residual is larger.
 const RESIDUAL: f64 = 1e-9;
-/// Largest accepted residual relative to P, for every rounding error.
+/// Largest accepted residual of the Riccati equation relative to its solution, for every rounding error.
 const WORST_RESIDUAL: f64 = 1e-6;
 
 /// Reason why a regulator cannot be computed.
@@ -84,12 +85,13 @@ pub enum LqrError {
     /// A number is NaN or infinite.
     #[error("the system or its weights contain a number that is not finite")]
     NotFinite,
-    /// `R + BᵀPB` is not positive definite.
+    /// `R + BᵀPB` is not positive definite, with the input weights R, the input matrix B and the cost-to-go
+    /// P.
     #[error("R + BᵀPB is not positive definite; choose a positive definite input weight")]
     NotPositive,
-    /// The Riccati equation has no stabilizing solution. Either (A, B) is not stabilizable, or a mode of A on or
-    /// outside the unit circle does not appear in the cost. The number is the relative residual after the last
-    /// iteration.
+    /// The Riccati equation has no stabilizing solution. Either the inputs cannot stabilize the system, or a
+    /// mode of the system on or outside the unit circle does not appear in the cost. The number is the
+    /// relative residual after the last iteration.
     #[error(
         "the Riccati equation has no stabilizing solution (residual {0:.1e}): check that every unstable \
          mode is controllable and appears in the state weight"
@@ -104,19 +106,22 @@ pub enum LqrError {
     Inaccurate(f64),
 }
 
-/// Infinite-horizon regulator `u = K x` of the system `x⁺ = A x + B u` with the cost `Σ xᵀQx + uᵀRu`.
+/// Infinite-horizon regulator `u = K x` of the system `x⁺ = A x + B u` with the cost `Σ xᵀQx + uᵀRu` of the
+/// states x and the inputs u.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lqr<const NX: usize, const NU: usize> {
     /// Gain K of `u = K x`, row by row. The minus sign of the feedback is included.
     pub gain: [[f64; NX]; NU],
     /// Stabilizing solution P of the Riccati equation. `xᵀPx` is the cost from the state x.
     pub cost_to_go: [[f64; NX]; NX],
-    /// Largest residual of the Riccati equation, relative to the largest entry of P.
+    /// Largest residual of the Riccati equation, relative to the largest entry of its solution P.
     pub residual: f64,
-    /// Upper bound of the rounding error of `residual`, also relative to the largest entry of P. The bound is
-    /// `2 NX ε (|Q| + |K|ᵀ|R||K| + Wᵀ|P|W)` with `W = |A| + |B||K|` and the machine precision ε.
+    /// Upper bound of the rounding error of `residual`, also relative to the largest entry of the solution P.
+    /// The bound is `2 NX ε (|Q| + |K|ᵀ|R||K| + Wᵀ|P|W)` with `W = |A| + |B||K|`, the system matrices A and
+    /// B, the weights Q and R, the gain K and the machine precision ε.
     pub rounding: f64,
-    /// Lower bound α = 1/√λ_max(I + R⁻¹BᵀPB) of the return difference, see [`margins`](Self::margins).
+    /// Lower bound α = 1/√λ_max(I + R⁻¹BᵀPB) of the return difference, with the input weights R, the input
+    /// matrix B and the cost-to-go P. The [`margins`](Self::margins) follow from α.
     pub return_difference: f64,
 }
 
@@ -142,9 +147,10 @@ impl fmt::Display for Margins {
 }
 
 impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
-    /// Computes the regulator by solving the discrete algebraic Riccati equation. Matrices are given row by row. Q
-    /// must be positive semidefinite, and R positive definite. The solution is accepted if its relative residual
-    /// is below 1e-9, or below 1e-6 and below its rounding error.
+    /// Computes the regulator by solving the discrete algebraic Riccati equation. Matrices are given row by
+    /// row. The state weights Q must be positive semidefinite, and the input weights R positive definite. The
+    /// solution is accepted if its relative residual is below 1e-9, or below 1e-6 and below its rounding
+    /// error.
     ///
     /// # Errors
     /// [`LqrError`] for wrong sizes, numbers that are not finite, an R that is not positive definite, or an
@@ -217,7 +223,7 @@ impl<const NX: usize, const NU: usize> Lqr<NX, NU> {
         Margins { gain: [1.0 / (1.0 + alpha), 1.0 / (1.0 - alpha)], phase: 2.0 * (0.5 * alpha).asin() }
     }
 
-    /// The input `K x` for the state x.
+    /// The input `K x` for the state x, with the gain K.
     pub fn input(&self, state: &[f64; NX]) -> [f64; NU] {
         self.gain.map(|row| row.iter().zip(state).map(|(k, x)| k * x).sum())
     }
@@ -251,10 +257,12 @@ impl<const NX: usize, const NU: usize> TimeVaryingLqr<NX, NU> {
         }
     }
 
-    /// Computes the gains by the backward recursion from `P_N = terminal_weight` to P_0.
+    /// Computes the gains by the backward recursion of the cost-to-go matrices from `P_N = terminal_weight`
+    /// to P_0.
     ///
     /// # Errors
-    /// [`LqrError::NotPositive`] if `R + BᵀPB` is not positive definite. The gains are then undefined.
+    /// [`LqrError::NotPositive`] if `R + BᵀPB` is not positive definite, with the input weights R, the input
+    /// matrix B and the cost-to-go P of a stage. The gains are then undefined.
     pub fn solve(
         &mut self,
         state_weight: &[[f64; NX]; NX],
@@ -265,12 +273,13 @@ impl<const NX: usize, const NU: usize> TimeVaryingLqr<NX, NU> {
         self.riccati.regulate().map_err(|_| LqrError::NotPositive)
     }
 
-    /// Gain `K_k`; zeros beyond the horizon.
+    /// Gain `K_k` of stage k; zeros beyond the horizon.
     pub fn gain(&self, k: usize) -> [[f64; NX]; NU] {
         if k < self.horizon { self.riccati.gain(k) } else { [[0.0; NX]; NU] }
     }
 
-    /// Matrix `P_0`. The cost of the horizon is `x_0ᵀ P_0 x_0`.
+    /// Cost-to-go matrix `P_0` of the first stage. The cost of the horizon is `x_0ᵀ P_0 x_0` for the initial
+    /// state x_0.
     pub fn cost_to_go(&self) -> [[f64; NX]; NX] {
         self.riccati.cost_to_go()
     }
@@ -302,8 +311,8 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         Ok(Self { a: matrix(a), b: matrix(b), q: matrix(q), r: matrix(r), recursion })
     }
 
-    /// A stabilizing gain. The doubling algorithm computes it. If the doubling algorithm fails, the Riccati recursion
-    /// that starts at Q computes the gain.
+    /// A stabilizing gain by the doubling algorithm. If this algorithm fails, the Riccati recursion that
+    /// starts at the state weights Q computes the gain.
     fn stabilizing_gain(&mut self) -> Result<SMatrix<f64, NU, NX>, LqrError> {
         if let Some(cost) = self.doubling()?
             && let Ok(gain) = self.gain_of(&cost)
@@ -324,14 +333,16 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         Err(LqrError::NotStabilizable(residual))
     }
 
-    /// The gain `−(R + BᵀPB)⁻¹ BᵀPA` of a cost-to-go P.
+    /// The gain `−(R + BᵀPB)⁻¹ BᵀPA` of a cost-to-go P, with the input weights R and the system matrices A
+    /// and B.
     fn gain_of(&mut self, cost: &SMatrix<f64, NX, NX>) -> Result<SMatrix<f64, NU, NX>, LqrError> {
         self.recursion.solve(&rows(&self.q), &rows(&self.r), &rows(cost))?;
         Ok(matrix(&self.recursion.gain(0)))
     }
 
-    /// The infinite-horizon cost of a gain, `Σ (A_cᵀ)ᵏ (Q + KᵀRK) A_cᵏ`. Each step doubles the number of
-    /// terms. `None` if the sum does not converge.
+    /// The infinite-horizon cost of a gain K, `Σ (A_cᵀ)ᵏ (Q + KᵀRK) A_cᵏ` with the weights Q and R and the
+    /// closed-loop matrix `A_c = A + B K`. Each step doubles the number of terms. `None` if the sum does not
+    /// converge.
     fn cost_of(&self, gain: &SMatrix<f64, NU, NX>) -> Option<SMatrix<f64, NX, NX>> {
         let mut power = self.a + self.b * gain;
         let mut sum = self.q + gain.transpose() * self.r * gain;
@@ -350,9 +361,9 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         None
     }
 
-    /// The right-hand side `Q + KᵀRK + (A + BK)ᵀ P (A + BK)` of the Riccati equation for the optimal gain K. In
-    /// contrast to the usual form, this form has no cancellation. An error of K has only a second-order effect
-    /// (Anderson, Moore 1990, section 3.3).
+    /// The right-hand side `Q + KᵀRK + (A + BK)ᵀ P (A + BK)` of the Riccati equation for the optimal gain K
+    /// of the cost-to-go P. In contrast to the usual form, this form has no cancellation. An error of K has
+    /// only a second-order effect (Anderson, Moore 1990, section 3.3).
     fn closed_loop_cost(
         &self,
         gain: &SMatrix<f64, NU, NX>,
@@ -392,7 +403,7 @@ impl<const NX: usize, const NU: usize> Equation<NX, NU> {
         Ok((-0.5 * log).exp().clamp(0.0, 1.0))
     }
 
-    /// Whether the powers of `A + B K` converge to 0.
+    /// Whether the powers of the closed-loop matrix `A + B K` converge to 0.
     fn is_stable(&self, gain: &SMatrix<f64, NU, NX>) -> bool {
         let mut power = self.a + self.b * gain;
         for _ in 0..40 {

@@ -25,8 +25,9 @@ impl<const K: usize> Gaussian<K> {
         Self { mean: [0.0; K], covariance: core::array::from_fn(row) }
     }
 
-    /// Adds drift: `δ ← δ + N(0, share · V)` with the variances V of the prior. A variance that would exceed that of the prior
-    /// is reduced by scaling its row and column, so the covariance remains positive semidefinite.
+    /// Adds drift to the coefficients δ of the terms: `δ ← δ + N(0, share · V)` with the variances V of the
+    /// prior. A variance that would exceed that of the prior is reduced by scaling its row and column, so the
+    /// covariance remains positive semidefinite.
     pub(super) fn widen(&mut self, share: f64, prior: &[f64; K]) {
         for i in 0..K {
             let wider = self.covariance[i][i] + share * prior[i];
@@ -46,7 +47,8 @@ impl<const K: usize> Gaussian<K> {
         dot(&product(&self.covariance, phi), phi).max(0.0)
     }
 
-    /// Updates the estimate with a measurement of `φᵀ δ + N(0, noise)`. `error` is the prediction error.
+    /// Updates mean and covariance of the coefficients δ with a measured torque `φᵀ δ + N(0, noise)`, for the
+    /// values φ of the terms. `error` is the prediction error of the torque.
     pub(super) fn update(&mut self, phi: &[f64; K], error: f64, noise: f64) {
         let direction = product(&self.covariance, phi);
         let total = dot(&direction, phi).max(0.0) + noise;
@@ -66,7 +68,7 @@ impl<const K: usize> Gaussian<K> {
 pub(super) struct Sample {
     pub phi: [f64; TERMS],
     pub torque: f64,
-    /// Position relative to the range that is divided into cells.
+    /// Position relative to the range of positions, which is divided into cells to detect torque ripple.
     pub share: f64,
     pub forwards: bool,
 }
@@ -93,8 +95,8 @@ pub(super) struct Track {
 ///     w_l ∝ w_l^α p_l(r)^(1/c)        p_l(r) = N(r; φᵀ δ_l, S_l)        S_l = φᵀ P_l φ + σ²
 /// ```
 ///
-/// Here r is the torque of the sample, φ are the values of the terms, P_l is the covariance of filter l, and 1 − α is the
-/// interval between samples divided by the memory.
+/// Here r is the torque of the sample, φ are the values of the terms, and P_l is the covariance of filter l.
+/// 1 − α is the interval between samples divided by the memory.
 ///
 /// - All filters share the noise variance σ². It is estimated from the prediction errors e:
 ///   `σ² ← σ² (1 + (Σ w_l e²/S_l − 1)/n)` (West, Harrison, *Bayesian Forecasting and Dynamic Models*, 1997, section 10.8). With
@@ -107,8 +109,9 @@ pub(super) struct Track {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bank {
     pub tracks: [Track; RATES],
-    /// Noise variance, and its weight in samples.
+    /// Variance of the noise.
     pub noise: f64,
+    /// Weight of the noise variance, as a number of samples.
     pub taken: f64,
 }
 
@@ -145,7 +148,8 @@ impl Bank {
 
     /// Updates all filters with a sample.
     ///
-    /// - `forgetting`: the factor α
+    /// - `forgetting`: exponent α of the filters' weights from sample to sample, which is also the decay
+    ///   factor of leaky sums
     /// - `least`: smallest noise variance
     pub(super) fn update(&mut self, sample: &Sample, forgetting: f64, least: f64) {
         self.taken = forgetting * self.taken + 1.0;

@@ -24,8 +24,9 @@ pub(super) const CELLS: usize = 2 * POSITIONS;
 pub(super) struct Correlation {
     pub counts: [f64; CELLS],
     pub sums: [f64; CELLS],
-    /// Leaky sums of the squares of residuals, and of the products of consecutive residuals.
+    /// Leaky sum of the squares of residuals.
     pub squares: f64,
+    /// Leaky sum of the products of consecutive residuals.
     pub products: f64,
     /// Previous residual; 0 after a pause.
     pub last: f64,
@@ -37,7 +38,7 @@ impl Correlation {
 
     /// Adds a residual. Returns the number of correlated samples that have the information of one independent sample.
     ///
-    /// - `share`: position relative to the range that is divided into cells
+    /// - `share`: position relative to the range of positions, which is divided into cells
     /// - `keep`: decay factor of the sums from one sample to the next
     pub(super) fn take(&mut self, residual: f64, share: f64, forwards: bool, keep: f64) -> f64 {
         let cell = cell(share, forwards);

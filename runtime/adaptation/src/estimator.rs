@@ -52,7 +52,8 @@ impl<const N: usize> DescribedForces<N> {
     }
 }
 
-/// State of the learned law of a joint, for logs and figures. The [crate](super) defines the learned and the acting law.
+/// State of the learned law of a joint, for logs and figures. The learned law is estimated from the motion.
+/// The acting law, which controllers use, follows the learned law or the described law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointState {
     /// Coefficients δ of the learned law within their bounds, one for each of the [`terms`].
@@ -339,9 +340,9 @@ impl<const N: usize> Adaptation<N> {
         core::array::from_fn(|i| self.joints[i].as_ref().map_or([[0.0; TERMS]; TERMS], errors))
     }
 
-    /// Returns the friction of a joint [N m or N] by the learned law at the velocity `v` [rad/s or m/s], and the half width of
-    /// the 90 % confidence interval of this friction. The friction includes the offset, but not load-dependent friction. `None`
-    /// for joints whose friction is not learned.
+    /// Returns the friction of a joint by the learned law at the velocity `v` [rad/s or m/s], and the half
+    /// width of its 90 % confidence interval, both in N m or N. The friction includes the offset, but not
+    /// load-dependent friction. `None` for joints whose friction is not learned.
     ///
     /// - `described`: described friction at this velocity [N m or N]
     #[must_use]
@@ -358,7 +359,7 @@ impl<const N: usize> Adaptation<N> {
         Some(described + dot(&phi, &state.acting))
     }
 
-    /// Values of the [`terms`] at velocity `v` without load.
+    /// Values of the learned law's [`terms`] at velocity `v` without load.
     fn terms(&self, joint: usize, described: f64, v: f64) -> Option<[f64; TERMS]> {
         let scale = self.scales[joint].as_ref()?;
         Some(terms(scale.shape(described, v, self.rest(joint)), v, 0.0))
@@ -393,9 +394,9 @@ impl<const N: usize> Adaptation<N> {
 /// Largest speed, effort and range of a joint, from limits or data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Magnitudes {
-    /// Largest speed [rad/s or m/s].
+    /// Largest speed of the joint [rad/s or m/s].
     pub speed: f64,
-    /// Largest effort [N m or N]; infinite if unknown.
+    /// Largest effort of the joint's drive [N m or N]; infinite if unknown.
     pub effort: f64,
     /// Width of the range of positions [rad or m]; infinite if unlimited.
     pub range: f64,

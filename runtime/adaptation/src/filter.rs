@@ -6,7 +6,7 @@ use super::law::TERMS;
 /// torque.
 pub(super) const SIGNALS: usize = TERMS + 2;
 
-/// Low-pass filter with two equal poles, 1/(τ s + 1)², in discrete time.
+/// Low-pass filter 1/(τ s + 1)² with two equal poles of the time constant τ, in discrete time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LowPass<const S: usize = SIGNALS> {
     pub states: [[f64; S]; 2],
@@ -17,7 +17,8 @@ impl<const S: usize> LowPass<S> {
 
     /// Filters one sample of all signals.
     ///
-    /// - `weight`: weight of the new sample, T/(T + τ)
+    /// - `weight`: weight T/(T + τ) of the new sample, with the period T and the time constant τ of the
+    ///   filter
     pub(super) fn take(&mut self, signals: &[f64; S], weight: f64) -> [f64; S] {
         let [first, second] = &mut self.states;
         for i in 0..S {
@@ -30,10 +31,11 @@ impl<const S: usize> LowPass<S> {
 
 /// The last three measurements of all joints.
 ///
-/// At the middle measurement, the velocity is the central difference of the positions, and the acceleration is their second
-/// difference. The low-pass filter L is applied to the torque of the inertia, `L[M (v⁺ − v⁻)/T]`, with the mass matrix M, the
-/// period T and the mean velocities v⁻ and v⁺ of two periods. This is the momentum form of Slotine and Li (*Int. J. Robotics
-/// Research* 6, 1987) in discrete time. By the product rule of differences,
+/// At the middle measurement, the velocity is the central difference of the positions, and the acceleration
+/// is their second difference. The low-pass filter L is applied to the torque of the inertia, `L[M (v⁺ −
+/// v⁻)/T]`. M is the mass matrix, T is the period, and v⁻ and v⁺ are the mean velocities of two periods. This
+/// is the momentum form of Slotine and Li (*Int. J. Robotics Research* 6, 1987) in discrete time. By the
+/// product rule of differences,
 ///
 /// ```text
 ///     M_k (v⁺ − v⁻) = (M⁺ v⁺ − M⁻ v⁻) − (M⁺ − M⁻) v        M⁺, M⁻ half a period later and earlier, up to O(T³)

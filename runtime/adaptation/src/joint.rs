@@ -29,14 +29,15 @@ pub(super) const QUANTILE: f64 = 1.645;
 pub(super) struct Derived {
     pub bounds: [f64; TERMS],
     pub prior: [f64; TERMS],
-    /// Variances of the terms before the first sample, averaged over the nested laws.
+    /// Variances of the terms' coefficients before the first sample, averaged over the nested laws.
     pub unknown: [f64; TERMS],
     /// Weight of a new sample in the filter.
     pub weight: f64,
     /// Fraction of the difference to the learned law by which the acting law changes in a period.
     pub blend: f64,
-    /// Number of periods between samples, and number of periods until the filter has settled.
+    /// Number of periods between samples.
     pub stride: u32,
+    /// Number of periods that the filter takes to settle.
     pub settle: u32,
     /// Time between samples (s).
     pub interval: f64,
@@ -75,8 +76,9 @@ impl Derived {
 pub(super) struct Instant {
     pub position: f64,
     pub velocity: f64,
-    /// Described friction, and its load-dependent part [N m or N].
+    /// Described friction without its load-dependent part [N m or N].
     pub friction: f64,
+    /// Described load-dependent friction [N m or N].
     pub load_friction: f64,
     /// Drive torques of the periods after and before the instant [N m or N], in this order.
     pub measured: [f64; 2],
@@ -108,7 +110,7 @@ pub(super) struct Joint {
     pub filter: LowPass,
     pub bank: Bank,
     pub comparison: Comparison,
-    /// Average of the nested laws.
+    /// Average of the nested laws, which have the first 0, 1, … terms of the learned law.
     pub law: Gaussian,
     /// Coefficients δ of the learned law: mean of `law` within its bounds.
     pub learned: [f64; TERMS],
@@ -119,13 +121,15 @@ pub(super) struct Joint {
     pub since: f64,
     /// Sign of the last velocity that was not at rest.
     pub direction: f64,
-    /// Last torque, and the number of repetitions of this torque.
+    /// Last torque [N m or N].
     pub torque: f64,
+    /// Number of repetitions of the last torque.
     pub repeated: u32,
     /// Magnitude of the torque at which the sensor is stuck or at the end of its range; `None` if this has not been observed.
     pub stuck: Option<f64>,
-    /// Number of periods until the filter has settled, and number of periods until the next sample.
+    /// Number of periods until the filter has settled.
     pub settling: u32,
+    /// Number of periods until the next sample.
     pub waiting: u32,
     /// Sample of the last period; `None` in periods without a sample.
     pub prediction: Option<Prediction>,
@@ -242,7 +246,8 @@ impl Joint {
         self.average(derived, scale);
     }
 
-    /// Computes the average over rates of drift and nested laws.
+    /// Computes the average law over the rates of drift and over the nested laws, which have the first 0, 1,
+    /// … terms.
     fn average(&mut self, derived: &Derived, scale: &JointScale) {
         self.law = averaged(&self.bank.average(), &derived.prior);
         self.bound(derived, scale);

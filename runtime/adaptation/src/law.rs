@@ -38,13 +38,15 @@ pub struct JointScale {
     /// Described friction at the largest speed [N m or N]; a tenth of the largest effort for a joint without described
     /// friction.
     pub torque: f64,
-    /// Largest speed [rad/s or m/s].
+    /// Largest speed of the joint [rad/s or m/s].
     pub speed: f64,
-    /// Smallest ratio `|s(v)|/|v|` up to twice the largest speed [N m s/rad or N s/m], with the shape s of [`terms`].
+    /// Smallest ratio `|s(v)|/|v|` of the shape s of the friction at speeds |v| up to twice the largest speed
+    /// [N m s/rad or N s/m].
     pub least_slope: f64,
     /// Width of the range of positions [rad or m]. It is divided into cells to detect torque ripple.
     pub range: f64,
-    /// Whether the shape s is the described friction τ_d. False if τ_d is zero.
+    /// Whether the shape of the learned friction is the described friction. False if the described friction
+    /// is zero.
     pub is_described: bool,
     /// Whether the joint has described load-dependent friction, as [`Adaptation::new`](super::Adaptation::new) finds. If it does
     /// not, its coefficient δ₅ is zero.
@@ -115,7 +117,7 @@ pub(super) fn dot<const K: usize>(a: &[f64; K], b: &[f64; K]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Product `C x`.
+/// Product `C x` of a matrix C and a vector x.
 #[inline]
 pub(super) fn product<const K: usize>(c: &[[f64; K]; K], x: &[f64; K]) -> [f64; K] {
     core::array::from_fn(|i| dot(&c[i], x))

@@ -9,13 +9,13 @@ pub const MOST_DELAY: usize = 8;
 /// Settings of the recursive estimation.
 ///
 /// [`AdaptationSettings::new`] returns the defaults. They were chosen with simulated joints
-/// (`runtime/examples/support/warming.rs`). A test compares the default drift times with faster ones. The tests do not compare
-/// other values of the other settings.
+/// (`runtime/examples/support/warming.rs`). A test compares the default drift times with faster ones. No test
+/// compares other values of the other settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdaptationSettings {
     /// Measurement period (s), which is the period of the calls of [`Adaptation::step`](super::Adaptation::step).
     pub period: f64,
-    /// Time constant of each of the two filter poles (s).
+    /// Time constant of each of the two filter poles (s), at least the period.
     pub time_constant: f64,
     /// Delay of the inputs: number of periods until a written input acts, at most [`MOST_DELAY`].
     pub delay: usize,
@@ -26,13 +26,14 @@ pub struct AdaptationSettings {
     /// Times in which a random walk of the coefficients reaches the standard deviation of the prior (s), from slow to fast
     /// drift. One Kalman filter runs for each time.
     pub drift_times: [f64; 3],
-    /// Time constant, in seconds of motion, of the leaky averages that estimate the noise, the correlation of samples, the
-    /// weights of the drift times, and the prediction errors.
+    /// Time constant of leaky averages, in seconds of motion, at least 100 times [`Self::time_constant`].
+    /// They estimate the noise, the correlation of samples, the weights of the drift times, and the
+    /// prediction errors.
     pub memory: f64,
     /// Time of motion (s) after which residuals outside the prediction interval of the learned law count as a change of the
     /// joint. Before this time they count as contact.
     pub patience: f64,
-    /// Time constant with which the acting law follows the learned law (s).
+    /// Time constant with which the acting law follows the learned law (s), at least the period.
     pub blending: f64,
     /// Speed below which a joint counts as at rest, relative to the largest speed; above 0 and below 1.
     pub rest: f64,
@@ -100,7 +101,7 @@ pub enum AdaptationError {
         name: &'static str,
         /// Value of the setting.
         value: f64,
-        /// Allowed values.
+        /// Allowed values of the setting, as text.
         needed: &'static str,
     },
     /// The bounds of a parameter of the load are not finite, or 0 is not between them. The value is the index of the parameter,

@@ -68,9 +68,9 @@ impl Rule {
 pub struct Location {
     /// Name of the file as the user gave it.
     pub file: String,
-    /// Line, from 1.
+    /// Line of the file, counted from 1.
     pub line: usize,
-    /// Column in characters, from 1.
+    /// Column of the line in characters, counted from 1.
     pub column: usize,
     /// Number of marked characters on this line, at least 1.
     pub length: usize,

@@ -17,7 +17,7 @@ pub enum IdentificationError {
     /// There are no samples.
     #[error("{what} is empty, so that nothing can be identified")]
     Empty {
-        /// Name of the quantity.
+        /// Name of the quantity that has no samples.
         what: String,
     },
     /// A value that must be a number is NaN or infinite.
@@ -30,7 +30,7 @@ pub enum IdentificationError {
         what: String,
         /// First row with a value that is not finite, counted from 0.
         row: usize,
-        /// Value in this row.
+        /// Value that is not finite.
         value: f64,
         /// Number of rows with a value that is not finite.
         count: usize,
@@ -58,17 +58,17 @@ pub enum IdentificationError {
         what: String,
         /// Smallest number of samples that the method needs.
         needed: usize,
-        /// Given number of samples.
+        /// Number of samples that were given.
         got: usize,
     },
     /// Two lengths that must be equal differ.
     #[error("{what}: {expected} are expected, but {got} are given")]
     Shape {
-        /// Quantities that are compared.
+        /// Name of the quantities whose lengths are compared.
         what: String,
-        /// Expected length.
+        /// Length that was expected.
         expected: usize,
-        /// Given length.
+        /// Length that was given.
         got: usize,
     },
     /// A setting is outside its range.
@@ -94,15 +94,15 @@ pub enum IdentificationError {
         /// Largest accepted condition number.
         limit: f64,
     },
-    /// A quantity never changes, although the identification needs its changes.
+    /// A quantity has the same value in all samples, although the identification needs its changes.
     #[error(
         "{what} is constant ({value}) in all {samples} samples, so that nothing can be identified from it: record data \
              in which it changes"
     )]
     Constant {
-        /// Name of the quantity.
+        /// Name of the constant quantity.
         what: String,
-        /// Value of the quantity.
+        /// Value of the constant quantity.
         value: f64,
         /// Number of samples.
         samples: usize,
@@ -117,7 +117,8 @@ pub enum IdentificationError {
         /// Number of samples.
         samples: usize,
     },
-    /// The threshold (STLS) or the weight λ of the penalty (LASSO) is so large that no friction term remains.
+    /// No friction term remains, because the threshold of STLS (sequentially thresholded least squares) or
+    /// the weight λ of the LASSO's penalty is too large.
     #[error("{what} = {} removes every term: the largest value that keeps at least one term is {}", plain(*.value, 6), plain(*.largest, 6))]
     EverythingRemoved {
         /// Name of the setting: "threshold" (of STLS) or "lambda" (weight of the LASSO's penalty).

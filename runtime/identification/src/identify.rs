@@ -129,14 +129,15 @@ impl Identification {
 /// Friction of a joint, or of a shaft that replaces the joint in the equations.
 #[derive(Debug, Clone)]
 pub struct JointFriction {
-    /// Index of the joint.
+    /// Index of the joint, or of the joint that the shaft replaces.
     pub joint: usize,
     /// Name of the joint, or of the drive whose shaft replaces the joint.
     pub name: String,
     /// Velocities ẏ [rad/s or m/s] at the samples in which the joint does not rest, of all runs.
     pub velocities: Vec<f64>,
-    /// Measured forces minus the estimated rigid-body forces and load-dependent friction, at the same samples [N·m or N]. These
-    /// differences contain the other friction, the offset and the error.
+    /// Measured forces minus the estimated rigid-body forces and load-dependent friction, at the samples in
+    /// which the joint does not rest [N·m or N]. The differences contain the other friction, the offset and
+    /// the error.
     pub torques: Vec<f64>,
     /// Friction law with its report, or the findings because of which there is no law.
     pub report: std::result::Result<FrictionReport, Vec<Finding>>,

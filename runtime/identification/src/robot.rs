@@ -38,7 +38,8 @@ pub trait Robot {
     /// frame's origin), then one for each rotor, as in `INERTIAL_PARAMETER_NAMES` of a generated module.
     fn parameter_names(&self) -> Vec<String>;
 
-    /// The values of the P parameters in the description [kg, kg m, kg m²].
+    /// Values of the inertial parameters in the description, in the order of [`Self::parameter_names`] [kg,
+    /// kg m, kg m²].
     fn parameters(&self) -> Vec<f64>;
 
     /// Number of bodies. The first `10 · bodies` parameters are those of the bodies.
@@ -113,8 +114,8 @@ pub trait Robot {
         Vec::new()
     }
 
-    /// For each row, the ratio of its speed to the speed of a joint: 1 for a joint, and the largest of [`Shaft::ratios`] for a
-    /// shaft. The search for friction terms scales speeds by this ratio.
+    /// For each row of the equations, the ratio of its speed to the speed of a joint: 1 for a joint, and the
+    /// largest of [`Shaft::ratios`] for a shaft. The search for friction terms scales speeds by this ratio.
     fn speed_scales(&self) -> Vec<f64> {
         vec![1.0; self.joint_names().len()]
     }
@@ -143,15 +144,15 @@ pub trait Robot {
         None
     }
 
-    /// Computes the regressor W at positions y and at rest for another gravity \[m/s²\], in the shape of
-    /// [`Self::inertial_regressor`].
-    /// Robots whose [`Self::gravity`] is not `None` implement this function.
+    /// Computes the regressor W at positions y and at rest for another gravity vector \[m/s²\], in the shape
+    /// of [`Self::inertial_regressor`]. Robots whose [`Self::gravity`] is not `None` implement this function.
     fn regressor_at_rest(&self, y: &[f64], gravity: [f64; 3], regressor: &mut [f64]) {
         let _ = (y, gravity);
         regressor.fill(0.0);
     }
 
-    /// Computes the regressor `W`, `N × P`, row by row, at positions y [rad or m], velocities ẏ and accelerations ÿ.
+    /// Computes the regressor W, row by row, at positions y [rad or m], velocities ẏ and accelerations ÿ: one
+    /// row for each joint, one column for each inertial parameter.
     fn inertial_regressor(&self, y: &[f64], v: &[f64], a: &[f64], regressor: &mut [f64]);
 
     /// Computes `M ÿ + k − q` with the described parameters, one entry for each joint [N·m or N]. M is the mass matrix, k is
@@ -237,7 +238,7 @@ pub(crate) fn require_no_quaternions(robot: &dyn Robot, what: &str, help: &str) 
     Err(at_joint(joint.name).fault(format!("{what} if a joint is {kind}: {help}")))
 }
 
-/// For each joint, whether its row of B has a single entry whose column has no other entry.
+/// For each joint, whether its row of the input matrix B has a single entry whose column has no other entry.
 fn own_inputs(b: &[f64], joints: usize, inputs: usize) -> Vec<bool> {
     let acts = |joint: usize, input: usize| b[joint * inputs + input] != 0.0;
     let driven_by = |joint: usize| (0..inputs).filter(move |&input| acts(joint, input));
@@ -271,8 +272,8 @@ impl FollowerLimits {
         offset + followed.map(|(ratio, value)| ratio * value).sum::<f64>()
     }
 
-    /// Index, allowed range of positions and allowed speed of the followed joint; `None` if there are several followed
-    /// joints.
+    /// Index of the followed joint, and the range of positions and the speed of that joint with which this
+    /// joint keeps its limits. `None` if this joint follows several joints.
     pub(crate) fn allowed(&self) -> Option<(usize, [f64; 2], f64)> {
         let mut followed = self.ratios.iter().enumerate().filter(|(_, ratio)| **ratio != 0.0);
         let ((joint, ratio), None) = (followed.next()?, followed.next()) else { return None };
@@ -309,7 +310,8 @@ impl JointLimits {
         Self { position: [f64::NEG_INFINITY, f64::INFINITY], velocity: f64::INFINITY, effort: f64::INFINITY };
 }
 
-/// Function `inertial_regressor` of a generated module: the regressor W at y, ẏ, ÿ.
+/// Function `inertial_regressor` of a generated module: the regressor at positions y, velocities ẏ and
+/// accelerations ÿ.
 type Regressor<const N: usize, const P: usize> = fn(&[f64; N], &[f64; N], &[f64; N]) -> [[f64; P]; N];
 
 /// A generated module as a [`Robot`]: its [`Dynamics`] and its `inertial_regressor`.
@@ -331,17 +333,17 @@ type Regressor<const N: usize, const P: usize> = fn(&[f64; N], &[f64; N], &[f64;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Generated<D, const N: usize, const M: usize, const P: usize> {
-    /// The functions of the module.
+    /// The generated module as [`Dynamics`].
     pub model: D,
-    /// `JOINT_UNITS` of the module.
+    /// Unit of each joint's position: `JOINT_UNITS` of the module.
     pub units: [&'static str; N],
-    /// `INERTIAL_PARAMETER_NAMES` of the module.
+    /// Names of the inertial parameters: `INERTIAL_PARAMETER_NAMES` of the module.
     pub parameter_names: [&'static str; P],
-    /// `inertial_parameters()` of the module.
+    /// Described inertial parameters: `inertial_parameters()` of the module.
     pub parameters: [f64; P],
-    /// Number of bodies. Their `10 · bodies` parameters come first. The parameters of the rotors follow.
+    /// Number of bodies. Their `10 · bodies` parameters come before the parameters of the rotors.
     pub bodies: usize,
-    /// `inertial_regressor` of the module.
+    /// Regressor of the inertial parameters: `inertial_regressor` of the module.
     pub regressor: Regressor<N, P>,
 }
 

@@ -61,7 +61,7 @@ pub struct PreparedRun {
     pub name: String,
     /// Times \[s\], equidistant.
     pub times: Vec<f64>,
-    /// Row of the nearest sample in the log, as in [`Run::rows`].
+    /// Row of the nearest sample in the log. The header is row 1, as in an editor.
     pub rows: Vec<usize>,
     /// Smoothed positions [rad or m], one column for each joint; for joints with a quaternion as in [`Run::positions`].
     pub positions: Vec<Vec<f64>>,
@@ -119,14 +119,15 @@ impl PreparedRun {
         Ok(())
     }
 
-    /// One column for each entry of y. The columns are the joints' positions if the robot has no quaternion.
+    /// Positions y, one column for each entry. The columns are the joints' positions if the robot has no
+    /// quaternion.
     pub(crate) fn coordinates(&self) -> &[Vec<f64>] {
         if self.poses.is_empty() { &self.positions } else { &self.poses }
     }
 
     /// Force at a joint [N·m or N], computed from the measured efforts with a gain of one.
     ///
-    /// - `input_matrix`: B, row by row
+    /// - `input_matrix`: input matrix B, row by row
     pub(crate) fn force(&self, input_matrix: &[f64], joint: usize, sample: usize) -> f64 {
         if self.effort == Effort::Joint {
             return self.efforts[joint][sample];
@@ -202,7 +203,8 @@ impl PreparedRun {
     }
 }
 
-/// Values of joint j are those of joint `order[j]`; empty if there are none.
+/// Values in another order of the joints: the value of joint j is that of joint `order[j]`. Empty if there
+/// are no values.
 pub(crate) fn moved<T: Clone>(order: &[usize], values: &[T]) -> Vec<T> {
     order.iter().filter_map(|column| values.get(*column).cloned()).collect()
 }

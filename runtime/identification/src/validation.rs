@@ -33,17 +33,20 @@ const NOT_PREDICTED: Rule = Rule::warning("validation-failed");
 pub struct JointValidation {
     /// Name of the joint.
     pub name: String,
-    /// `R² = 1 − Σ (τ − τ̂)² / Σ (τ − τ̄)²` over the samples in which the joint moves; NaN if the effort is constant, or if
-    /// it was not measured in the logs of the identification.
+    /// `R² = 1 − Σ (τ − τ̂)² / Σ (τ − τ̄)²` of the effort τ with its prediction τ̂ and its mean τ̄, over the
+    /// samples in which the joint moves. NaN if the effort is constant, or if it was not measured in the logs
+    /// of the identification.
     pub r_squared: f64,
-    /// R² including the samples in which the joint rests. Dry friction at rest takes any value up to the static one.
+    /// R² of the prediction including the samples in which the joint rests. Dry friction at rest takes any
+    /// value up to the static one.
     pub r_squared_with_rest: f64,
-    /// Root mean square of τ − τ̂ over the samples in which the joint moves [N·m or N].
+    /// Root mean square of measured minus predicted effort over the samples in which the joint moves [N·m or
+    /// N].
     pub residual: f64,
-    /// Mean of τ − τ̂ over the samples in which the joint moves [N·m or N]. It is a constant force in the logs that the
-    /// description does not contain.
+    /// Mean of measured minus predicted effort over the samples in which the joint moves [N·m or N]. It is a
+    /// constant force in the logs that the description does not contain.
     pub offset: f64,
-    /// R² over the samples in which the joint moves, if [`Self::offset`] is added to τ̂.
+    /// R² over the samples in which the joint moves, if [`Self::offset`] is added to the predicted effort.
     pub r_squared_with_offset: f64,
 }
 
@@ -159,7 +162,8 @@ struct Prediction<'a> {
     joints: usize,
     /// Identified minus described inertial parameters.
     changes: Vec<f64>,
-    /// Loads of the gears: `M ÿ + k − q` with gravity.
+    /// Loads of the gears: rigid-body forces `M ÿ + k − q` with gravity, with the mass matrix M, the bias
+    /// force k and the applied forces q.
     loads: Vec<f64>,
     input_matrix: Vec<f64>,
     regressor: Vec<f64>,
@@ -223,7 +227,8 @@ impl<'a> Prediction<'a> {
         }
     }
 
-    /// Computes `M ÿ + k − q` with the identified parameters, without gravity if the robot compensates it.
+    /// Computes the rigid-body forces `M ÿ + k − q` with the identified parameters, without gravity if the
+    /// robot compensates it. M is the mass matrix, k the bias force and q the applied forces.
     fn rigid(&mut self, y: &[f64], v: &[f64], a: &[f64]) {
         self.robot.rigid_forces(y, v, a, &mut self.forces);
         self.add_regressor([y, v, a], 1.0, &self.changes.clone());

@@ -26,11 +26,12 @@ pub struct Scene {
 /// Symbol of a coordinate; indices count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SceneSymbol {
-    /// Position yᵢ.
+    /// Position with this index, written yᵢ.
     Position(usize),
-    /// Velocity ẏᵢ of a joint with a quaternion. No position entry corresponds to this velocity.
+    /// Velocity with this index, written ẏᵢ, of a joint with a quaternion. No position entry corresponds to
+    /// this velocity.
     Velocity(usize),
-    /// Position dᵢ of a driven joint, whose motion is prescribed.
+    /// Position with this index, written dᵢ, of a driven joint, whose motion is prescribed.
     Driven(usize),
 }
 
@@ -138,8 +139,9 @@ pub struct SceneFrame {
     pub rotation: [[f64; 3]; 3],
 }
 
-/// Range of the slider of a joint without limits: 180° or half a metre in both directions.
+/// Largest angle on the slider of a revolute joint without limits, in both directions (rad).
 const TURN: f64 = std::f64::consts::PI;
+/// Largest displacement on the slider of a prismatic joint without limits, in both directions (m).
 const SLIDE: f64 = 0.5;
 
 impl SceneJoint {

@@ -30,11 +30,11 @@ pub struct LearnedFriction<D, const N: usize, const M: usize> {
     robot: D,
     scales: [Option<JointScale>; N],
     rests: [f64; N],
-    /// δ of each joint.
+    /// Coefficients δ of the learned friction terms of each joint.
     deltas: [[f64; TERMS]; N],
-    /// Covariance of the errors of `deltas` for each joint.
+    /// Expected products of the errors of the coefficients δ, for each joint.
     errors: [[[f64; TERMS]; TERMS]; N],
-    /// B of the drives, and B⁺.
+    /// Input matrix B of the drives (`matrix`), and its pseudo-inverse B⁺.
     matrix: [[f64; M]; N],
     inverse: [[f64; N]; M],
     /// Whether the friction of a joint depends on the motion of others, as friction of coupled drives does.
@@ -45,27 +45,33 @@ pub struct LearnedFriction<D, const N: usize, const M: usize> {
 #[derive(Debug, Clone, Copy)]
 struct JointLaw {
     described: f64,
-    /// τ_δ without load-dependent friction.
+    /// Learned friction torque without its load-dependent part [N m or N].
     learned: f64,
-    /// Load-dependent friction per unit of load.
+    /// Described load-dependent friction per unit of load.
     described_share: f64,
     learned_share: f64,
 }
 
-/// Learned friction τ_δ, and its derivative by the force that determines the load.
+/// Learned friction torque τ_δ, and its derivative with respect to the force that determines the load.
 type Learned = (f64, f64);
 
 impl JointLaw {
+    /// Learned friction if the inverse dynamics of the described robot are given.
+    ///
     /// - `force`: inverse dynamics of the described robot
     fn of_described_force(&self, force: f64) -> Learned {
         self.of_load(force - self.described, self.described_share)
     }
 
+    /// Learned friction if the force of the drive is given.
+    ///
     /// - `force`: force of the drive
     fn of_drive_force(&self, force: f64) -> Learned {
         self.of_load(force - self.described - self.learned, self.learned_share)
     }
 
+    /// Learned friction if the sum of the load and its friction is given.
+    ///
     /// - `exerted`: load and load-dependent friction
     /// - `share`: load-dependent friction per unit of load
     fn of_load(&self, exerted: f64, share: f64) -> Learned {
@@ -76,7 +82,8 @@ impl JointLaw {
     }
 }
 
-/// Derivatives of τ_δ by positions and velocities at constant forces. Row i belongs to joint i.
+/// Derivatives of the learned friction torques with respect to positions and velocities, at constant forces.
+/// Row i belongs to joint i.
 struct Slopes<const N: usize> {
     by_coordinates: [[f64; N]; N],
     by_velocities: [[f64; N]; N],
@@ -123,7 +130,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
         core::array::from_fn(|i| dot(&self.terms(i, described[i], v[i], 0.0), &self.deltas[i]))
     }
 
-    /// Learned load-dependent friction per unit of load, for the described one.
+    /// Learned load-dependent friction per unit of load, computed from the described one.
     fn learned_shares(&self, described: &[f64; N]) -> [f64; N] {
         core::array::from_fn(|i| {
             let most = 0.5 * (1.0 + described[i].abs());
@@ -148,15 +155,15 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
         self.scales[joint].as_ref().map_or([0.0; TERMS], terms)
     }
 
-    /// B u
+    /// Joint forces `B u` of the inputs u, with the input matrix B.
     fn drive_forces(&self, u: &[f64; M]) -> [f64; N] {
         self.matrix.each_ref().map(|row| row.iter().zip(u).map(|(b, u)| b * u).sum())
     }
 
-    /// Derivatives of τ_δ at constant forces, as one-sided difference quotients.
+    /// Derivatives of the learned friction torques at constant forces, as one-sided difference quotients.
     ///
     /// - `laws`: laws at this state
-    /// - `of`: τ_δ of a joint
+    /// - `of`: function that returns the learned friction torque of a joint
     fn slopes(
         &self,
         (y, v): (&[f64; N], &[f64; N]),
@@ -183,7 +190,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
         slopes
     }
 
-    /// The input `u − B⁺ τ_δ`.
+    /// The input `u − B⁺ τ_δ`, which is the input u without the part that overcomes the learned friction τ_δ.
+    /// B⁺ is the pseudo-inverse of the input matrix.
     fn relieved(&self, u: &[f64; M], learned: &[f64; N]) -> [f64; M] {
         core::array::from_fn(|j| {
             u[j] - self.inverse[j].iter().zip(learned).map(|(b, torque)| b * torque).sum::<f64>()
@@ -244,7 +252,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> Dynamics<N, M> for Learn
         self.learned_shares(&self.robot.load_friction(y, v))
     }
 
-    /// The load is that at zero acceleration.
+    /// The load-dependent part is evaluated for the load at zero acceleration.
     fn friction_uncertainty(&self, y: &[f64; N], v: &[f64; N]) -> [[f64; N]; M] {
         let (described, shares) = (self.robot.friction_torques(y, v), self.robot.load_friction(y, v));
         let forces =
@@ -339,7 +347,8 @@ impl<D: Differentiable<N, M>, const N: usize, const M: usize> Differentiable<N, 
 }
 
 impl<D: Differentiable<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M> {
-    /// Adds τ_δ. Returns its derivatives by the forces of the described robot.
+    /// Adds the learned friction torques to the inverse dynamics. Returns their derivatives with respect to
+    /// the forces of the described robot.
     fn add_learned(&self, derivatives: &mut ForceDerivatives<N>, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
         let (forces, laws) = (derivatives.forces, self.laws(y, v));
         let slopes = self.slopes((y, v), &laws, |i, law| law.of_described_force(forces[i]).0);
@@ -357,7 +366,7 @@ impl<D: Differentiable<N, M>, const N: usize, const M: usize> LearnedFriction<D,
     }
 }
 
-/// The discrete-time methods are the default methods of the trait. They use the functions above.
+/// Uses the default discrete-time methods of the trait, which call the dynamics with the learned friction.
 impl<D: Discretizable<N, M>, const N: usize, const M: usize> Discretizable<N, M>
     for LearnedFriction<D, N, M>
 {

@@ -79,9 +79,9 @@ pub enum ComputedTorqueError {
 ///
 /// replaces the acceleration in the equation above. Then `d/dt (w − v) = −K_d (w − v) − K_p e`. The error e
 /// decays along one axis, like the errors of other joints, under two conditions. The gains of the entries of
-/// a joint must be equal, and w − v must initially be parallel to e, for example zero at the start of a
-/// motion that begins at rest. From other states an attitude error also decays, unless it is 180° (Bullo and
-/// Murray, "Tracking for fully actuated mechanical systems: a geometric framework", Automatica 35, 1999).
+/// a joint must be equal, and w − v must initially be parallel to e. At the start of a motion that begins at
+/// rest, w − v is zero. From other states an attitude error also decays, unless it is 180° (Bullo and Murray,
+/// "Tracking for fully actuated mechanical systems: a geometric framework", Automatica 35, 1999).
 ///
 /// ```
 /// use gelenk_runtime::control_loop::{AccelerationGains, ComputedTorque, JointLaw};
@@ -101,7 +101,8 @@ pub struct ComputedTorque<D, const N: usize, const M: usize, const NY: usize = N
     gains: AccelerationGains<N>,
 }
 
-/// Largest part of a unit force that the inputs may fail to produce because of rounding of B⁺.
+/// Largest part of a unit force that the inputs may fail to produce because of rounding of the pseudo-inverse
+/// B⁺ of the input matrix.
 const MISSED: f64 = 1e-9;
 
 impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> ComputedTorque<D, N, M, NY> {
@@ -128,8 +129,9 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Com
         Ok(Self { feed_forward, gains })
     }
 
-    /// The acceleration `ÿ_d + K_d (ẏ_d − ẏ) + K_p (y_d − y)`. For quaternions, [`ComputedTorque`] documents the
-    /// acceleration.
+    /// The acceleration `ÿ_d + K_d (ẏ_d − ẏ) + K_p (y_d − y)` of the desired motion y_d with the feedback of
+    /// position and velocity errors by the gains K_p and K_d. [`ComputedTorque`] documents the acceleration
+    /// for quaternions.
     fn accelerations(
         &self,
         desired: &Sample<N, NY>,
@@ -151,7 +153,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Com
     }
 }
 
-/// Desired velocities in the frames of the measured bodies, `w = Ad v_d`, and their rate `Ad v̇_d − ad_v w`.
+/// Desired velocities v_d in the frames of the measured bodies, `w = Ad v_d` with the adjoint Ad of the
+/// attitude error, and their rate `Ad v̇_d − ad_v w`.
 fn seen_from_the_body<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize>(
     model: &D,
     desired: &Sample<N, NY>,

@@ -7,18 +7,18 @@ use thiserror::Error;
 /// Time, measurement and last inputs at the start of a period, as input of a controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cycle<const N: usize, const M: usize, const NY: usize = N> {
-    /// Time on the trajectory at the start of this period (s). The trajectory begins at 0.
+    /// Time on the trajectory at the start of the present period (s). The trajectory begins at 0.
     pub time: f64,
     /// Number of periods since the previous call of the controller. The number exceeds 1 if the loop was
     /// stalled. The input was constant during these periods.
     pub periods: u32,
     /// Positions measured at `time` [rad or m], finite and plausible; `None` without a plausible measurement.
     pub positions: Option<[f64; NY]>,
-    /// Velocities measured with these positions [rad/s or m/s], finite and consistent with them; `None` if
-    /// velocities are not measured or `positions` is `None`.
+    /// Velocities measured together with `positions` [rad/s or m/s], finite and consistent with the
+    /// positions; `None` if velocities are not measured or `positions` is `None`.
     pub velocities: Option<[f64; N]>,
-    /// Drive forces at the joints measured with these positions [N m or N], finite; `None` if forces are not
-    /// measured or `positions` is `None`.
+    /// Drive forces at the joints measured together with `positions` [N m or N], finite; `None` if forces are
+    /// not measured or `positions` is `None`.
     pub torques: Option<[f64; N]>,
     /// Inputs that the loop wrote last, after limiting [N m, N or A]. If inputs act without delay, these inputs
     /// acted until now. If inputs act one period late, these inputs act from now on, and the inputs that are
@@ -97,7 +97,7 @@ pub struct TooFast {
     pub slope: f64,
     /// Rate ν of the coordinate [1/s].
     pub rate: f64,
-    /// Period (s).
+    /// Period of the prediction (s).
     pub period: f64,
 }
 

@@ -32,7 +32,7 @@ pub(super) struct Measured<const N: usize, const NY: usize> {
     pub torques: Option<[f64; N]>,
 }
 
-/// Inputs before the limits.
+/// Proposed inputs, before they are clamped to their limits.
 pub(super) struct Proposal<const M: usize> {
     pub inputs: [f64; M],
     pub source: Source,

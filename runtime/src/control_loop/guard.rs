@@ -46,7 +46,7 @@ pub enum EncoderFault {
         joint: usize,
         /// Name of the joint.
         name: &'static str,
-        /// Distance that the desired position has moved in this time [rad or m].
+        /// Distance that the desired position has moved while the measured position was constant [rad or m].
         desired: f64,
     },
     /// The measured velocity is not finite, or differs too much from the rate of change of the positions.
@@ -67,7 +67,7 @@ pub enum EncoderFault {
         /// Measured velocity minus rate of change of the positions, low-pass filtered with a time constant of
         /// 0.1 s [rad/s or m/s].
         mismatch: f64,
-        /// Largest magnitude of the mismatch that would have been accepted [rad/s or m/s].
+        /// Largest magnitude of the velocity difference that would have been accepted [rad/s or m/s].
         possible: f64,
     },
 }
@@ -104,9 +104,9 @@ pub struct EncoderGuard<const N: usize> {
     settings: GuardSettings<N>,
     names: [&'static str; N],
     believed: [f64; N],
-    /// Velocities measured with `believed`; `None` if velocities are not measured.
+    /// Velocities measured with the last accepted positions; `None` if velocities are not measured.
     velocities: Option<[f64; N]>,
-    /// Time since `believed` was measured (s).
+    /// Time since the last accepted positions were measured (s).
     age: f64,
     last_reading: [f64; N],
     /// Desired position at the last change of the reading.

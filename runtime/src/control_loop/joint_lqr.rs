@@ -11,7 +11,7 @@ use crate::lqr::{Lqr, LqrError};
 use crate::trajectory::Sample;
 use thiserror::Error;
 
-/// Weights of [`JointLqr`]: the diagonals of Q and R.
+/// Weights of [`JointLqr`]: the diagonals of the weight matrices Q (positions and velocities) and R (inputs).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LqrWeights<const N: usize, const M: usize> {
     /// Weights of the position errors [1/rad² or 1/m²].
@@ -59,7 +59,7 @@ pub enum JointLqrError {
 ///     u = u_ff(y_d, ẏ_d, ÿ_d) + K x        x = (y − y_d, ẏ − ẏ_d)
 /// ```
 ///
-/// Here u_ff is the [`FeedForward`] for the desired motion y_d, ẏ_d, ÿ_d, and K is the gain of [`Lqr`] for the
+/// Here u_ff is the [`FeedForward`] for the desired motion y_d, ẏ_d, ÿ_d. K is the gain of [`Lqr`] for the
 /// discrete-time model (zero-order hold) of the robot at rest. For robots with quaternions the difference is
 /// `y ⊖ y_d`, and body velocities v replace ẏ. K is constant. It is optimal only near the positions at which
 /// the robot was linearized. Far from these positions, or at limits of inputs, use [`LtvMpc`](crate::mpc).
@@ -139,12 +139,12 @@ where
         Ok(Self { feed_forward, regulator: Lqr::new(&a, &b, &q, &r)? })
     }
 
-    /// The regulator with K and its stability margins.
+    /// The regulator with the gain K and its stability margins.
     pub fn regulator(&self) -> &Lqr<NX, M> {
         &self.regulator
     }
 
-    /// The feedback `K x`.
+    /// The feedback `K x` with the gain K and the state error x.
     fn feedback(&self, desired: &Sample<N, NY>, positions: &[f64; NY], velocities: &[f64; N]) -> [f64; M] {
         let error = self.feed_forward.model().difference(&desired.positions, positions);
         self.regulator.input(&core::array::from_fn(|i| match i.checked_sub(N) {

@@ -18,10 +18,10 @@ pub struct JointGains<const N: usize> {
 }
 
 impl<const N: usize> JointGains<N> {
-    /// Gains `K_p = M_ii ω²` and `K_d = 2 ζ M_ii ω` with the mass matrix M at `positions` and time 0 (Siciliano,
-    /// Sciavicco, Villani, Oriolo, *Robotics*, 2009, section 8.3). If the other joints are at rest, the error of
-    /// each joint is an oscillator with the natural frequency `omega` (ω) [rad/s] and the damping ratio
-    /// `damping` (ζ). Joint friction adds damping.
+    /// Gains `K_p = M_ii ω²` and `K_d = 2 ζ M_ii ω` with the diagonal entries M_ii of the mass matrix at
+    /// `positions` and time 0 (Siciliano, Sciavicco, Villani, Oriolo, *Robotics*, 2009, section 8.3). If the
+    /// other joints are at rest, the error of each joint is an oscillator with the natural frequency `omega`
+    /// (ω) [rad/s] and the damping ratio `damping` (ζ). Joint friction adds damping.
     #[must_use]
     pub fn from_bandwidth<const M: usize, const NY: usize>(
         model: &impl Dynamics<N, M, NY>,
@@ -85,7 +85,8 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joi
         self.feed_forward.set_model(model)
     }
 
-    /// The forces `K_p (y_d ⊖ y) + K_d (ẏ_d − ẏ)`.
+    /// The feedback forces `K_p (y_d ⊖ y) + K_d (ẏ_d − ẏ)` with the gains K_p and K_d, the desired motion
+    /// y_d, ẏ_d and the measured state y, ẏ.
     fn restoring_forces(
         &self,
         desired: &Sample<N, NY>,

@@ -3,7 +3,8 @@
 use std::fmt;
 use std::time::Duration;
 
-/// Number of intervals. The last interval begins at 0.26 s. Every period is shorter, see [`RATES`](super::RATES).
+/// Number of intervals of the histogram. The last interval begins at 0.26 s, which is longer than every
+/// period of the loop ([`RATES`](super::RATES)).
 const INTERVALS: usize = 20;
 /// Length of the longest bar in characters.
 const LONGEST_BAR: u64 = 40;

@@ -128,7 +128,7 @@ macro_rules! of_the_model {
 }
 pub(super) use of_the_model;
 
-/// Returns the inputs.
+/// Returns the inputs if all of them are finite.
 ///
 /// # Errors
 /// [`ControllerFault::NotFinite`] if the inputs are not finite.

@@ -16,7 +16,7 @@ use std::time::Duration;
 /// would be a system call.
 const IDLE: Duration = Duration::from_millis(5);
 
-/// Record of one period.
+/// Log record of one period of the control loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogRecord<const N: usize, const M: usize, const NY: usize = N> {
     /// Time since the start of the trajectory (s) on the clock of the loop. A controlled stop, which slows the
@@ -201,7 +201,7 @@ fn write_all<const N: usize, const M: usize, const NY: usize>(
     }
 }
 
-/// Measured quantities except positions.
+/// Measured velocities and forces of the log.
 #[derive(Clone, Copy, Default)]
 struct Measures {
     velocities: bool,

@@ -14,11 +14,11 @@ pub enum LimitFault {
         joint: usize,
         /// Name of the joint.
         name: &'static str,
-        /// Position [rad or m].
+        /// Position of the joint [rad or m].
         position: f64,
         /// Position at which the brakes would stop the joint [rad or m].
         stopping: f64,
-        /// Lower and upper limit [rad or m].
+        /// Lower and upper limit of the position [rad or m].
         limits: [f64; 2],
         /// Name of the setting with these limits.
         setting: &'static str,
@@ -30,9 +30,9 @@ pub enum LimitFault {
         joint: usize,
         /// Name of the joint.
         name: &'static str,
-        /// Speed [rad/s or m/s].
+        /// Speed of the joint [rad/s or m/s].
         speed: f64,
-        /// Limit [rad/s or m/s].
+        /// Limit of the speed [rad/s or m/s].
         limit: f64,
         /// Name of the setting with this limit.
         setting: &'static str,
@@ -112,7 +112,7 @@ pub(super) struct Situation<'a, const N: usize> {
     pub velocities: &'a [f64; N],
     /// Time since the positions were measured (s).
     pub age: f64,
-    /// Following error y ⊖ y_d.
+    /// Following error, the measured positions minus the desired positions (`y ⊖ y_d`).
     pub error: &'a [f64; N],
     pub dependent: DependentMotion<'a, N>,
 }
@@ -175,6 +175,8 @@ fn check_stop<const N: usize, const M: usize>(
     Ok(())
 }
 
+/// Checks position and speed limits of joints that follow coordinates.
+///
 /// - `stopping`: positions of the coordinates at which the brakes would stop them
 fn check_dependent<const N: usize>(
     joints: &[DependentJoint<N>],

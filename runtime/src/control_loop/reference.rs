@@ -56,7 +56,7 @@ impl Reference {
         }
     }
 
-    /// Desired state.
+    /// Desired positions, velocities and accelerations at the present time on the trajectory.
     pub fn sample<const N: usize, const NY: usize>(
         &self,
         trajectory: &impl Trajectory<N, NY>,

@@ -208,7 +208,7 @@ pub struct LoopReport<const N: usize> {
     /// State of the brakes that the robot reported after the last brake command of the loop. If they are not
     /// engaged after a run, check the robot.
     pub brakes: Brakes,
-    /// Counts of the run.
+    /// Numbers of periods, faults and other events of the run.
     pub counts: Counts,
     /// Names of the joints.
     pub joints: [&'static str; N],

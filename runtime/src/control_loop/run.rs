@@ -41,8 +41,9 @@ pub(super) struct State<const N: usize, const M: usize, const NY: usize> {
     pub index: u64,
     pub reference: Reference,
     pub guard: EncoderGuard<N>,
-    /// Last plausible positions, and last desired positions.
+    /// Last plausible positions.
     pub believed: Unwrapped<N, NY>,
+    /// Last desired positions.
     pub desired: Unwrapped<N, NY>,
     pub filter: VelocityFilter<N>,
     /// Inputs that the robot holds.
@@ -51,7 +52,7 @@ pub(super) struct State<const N: usize, const M: usize, const NY: usize> {
     pub unmeasured: u32,
     /// Consecutive periods without a successful controller step.
     pub failures: u32,
-    /// Consecutive periods without a write.
+    /// Consecutive periods in which no inputs were written to the robot.
     pub unwritten: u64,
     pub brakes: Brakes,
     /// Whether velocities (0) and torques (1) were measured at the start. Only measured quantities have columns in
@@ -77,7 +78,7 @@ where
 {
     pub(super) settings: LoopSettings<N, M>,
     pub(super) period: Duration,
-    /// Period (s).
+    /// Period of the loop (s).
     pub(super) seconds: f64,
     /// Names of joints and inputs, for messages.
     pub(super) joints: [&'static str; N],
@@ -422,7 +423,7 @@ where
     }
 }
 
-/// Time of each stage.
+/// Measured duration of each stage of a period.
 struct Stopwatch {
     last: Duration,
     stages: [Duration; STAGES],

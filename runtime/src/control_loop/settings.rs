@@ -61,12 +61,12 @@ pub struct LoopSettings<const N: usize, const M: usize> {
     pub velocity_time_constant: f64,
     /// Speed below which a coordinate counts as at rest [rad/s or m/s].
     pub standstill_speed: [f64; N],
-    /// Duration of a controlled stop of the trajectory (s).
+    /// Duration of a controlled stop of the trajectory, 0 to 60 s.
     pub stop_time: f64,
-    /// Time between the end of the trajectory and the brake command (s). If the robot is not at rest after this
-    /// time, the loop waits for at most `stop_time` longer.
+    /// Time between the end of the trajectory and the brake command, 0 to 60 s. If the robot is not at rest
+    /// after this time, the loop waits for at most `stop_time` longer.
     pub settling_time: f64,
-    /// Time that the brakes need to release (s). During this time the inputs hold the start position.
+    /// Time that the brakes need to release, 0 to 60 s. During this time the inputs hold the start position.
     pub release_time: f64,
     /// Number of periods without a valid reading after which the loop refuses to start.
     pub start_periods: u32,
@@ -106,6 +106,7 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
     /// | `stop_time`, `settling_time`, `release_time` | 0.5 s, 0.1 s, 0 s |
     /// | `start_periods`, `brake_periods` | 50, 10 |
     /// | `warm_up` | 0.1 T |
+    /// | `budgets` | 0.25 T for reading, 0.5 T for control, 0.05 T for each other stage |
     ///
     /// Change these values for prismatic joints, and for joints without speed limits.
     #[must_use]
@@ -182,6 +183,8 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
         Ok(())
     }
 
+    /// Checks that each setting is in its range.
+    ///
     /// - `joints`, `inputs`: names for messages
     ///
     /// # Errors
@@ -232,9 +235,9 @@ pub struct SettingError {
     pub name: &'static str,
     /// Name of the joint or input; `None` for settings of the whole loop.
     pub of: Option<&'static str>,
-    /// Given value.
+    /// Value that is out of range.
     pub value: f64,
-    /// Allowed range.
+    /// Allowed range of the setting, as text.
     pub range: &'static str,
 }
 

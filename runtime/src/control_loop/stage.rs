@@ -5,15 +5,15 @@
 pub enum Stage {
     /// Reading of the measurement and plausibility check.
     Read,
-    /// Controller and its fallback.
+    /// Computation of the inputs by the controller or its fallback.
     Control,
-    /// Limits of inputs and states.
+    /// Check of the limits of inputs and states.
     Check,
-    /// Writing inputs.
+    /// Writing of the inputs to the robot.
     Write,
     /// Adding a record to the log.
     Log,
 }
 
-/// Number of stages.
+/// Number of stages of a period.
 pub const STAGES: usize = 5;

@@ -27,7 +27,7 @@ pub struct VelocityFilter<const N: usize> {
 }
 
 impl<const N: usize> VelocityFilter<N> {
-    /// A filter at rest at `positions` [rad or m]. `time_constant` is T_v (s). Negative values and NaN count as 0.
+    /// A filter at rest at `positions` [rad or m]. A `time_constant` (s) that is negative or NaN counts as 0.
     #[must_use]
     pub fn new(time_constant: f64, positions: [f64; N]) -> Self {
         Self { time_constant: time_constant.max(0.0), positions, velocities: [0.0; N] }

@@ -57,7 +57,7 @@ pub(crate) fn magnitude<const N: usize>(row: &[f64; N]) -> f64 {
     row.iter().map(|x| x.abs()).sum()
 }
 
-/// Copies the blocks of A_d to one matrix.
+/// Copies the blocks of the discrete-time state matrix A_d to one matrix.
 pub(crate) fn flat_state<const N: usize, const NX: usize>(
     blocks: &[[[[f64; N]; N]; 2]; 2],
     flat: &mut [[f64; NX]; NX],
@@ -70,7 +70,7 @@ pub(crate) fn flat_state<const N: usize, const NX: usize>(
     }
 }
 
-/// Copies the blocks of B_d to one matrix.
+/// Copies the blocks of the discrete-time input matrix B_d to one matrix.
 pub(crate) fn flat_input<const N: usize, const M: usize, const NX: usize>(
     blocks: &[[[f64; M]; N]; 2],
     flat: &mut [[f64; M]; NX],

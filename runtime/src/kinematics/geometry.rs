@@ -129,7 +129,8 @@ impl Screws {
         (position.into(), rows(&(r * self.home_rotation)))
     }
 
-    /// Displacement and rotation of the product of exp(ξ_i y_i) over a range of joints.
+    /// Displacement and rotation of the product of exp(ξ_i y_i) over a range of joints, with the screw ξ_i
+    /// and the angle y_i of joint i.
     pub(super) fn transform(
         &self,
         y: &[f64; 6],

@@ -18,7 +18,7 @@ pub(super) fn rows(m: &Matrix3<f64>) -> [[f64; 3]; 3] {
     core::array::from_fn(|i| core::array::from_fn(|j| m[(i, j)]))
 }
 
-/// Matrix W of the cross product, `W x = w × x`.
+/// Matrix W of the cross product with a vector w, `W x = w × x`.
 pub(super) fn skew(w: &Vector3<f64>) -> Matrix3<f64> {
     w.cross_matrix()
 }

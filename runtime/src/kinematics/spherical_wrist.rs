@@ -121,9 +121,9 @@ pub enum KinematicsError {
 
 /// Analytic inverse kinematics of a six-axis arm with a spherical wrist.
 ///
-/// The second and third axes must be parallel, the first axis must not be parallel to them, and the last three
-/// axes must meet in one point. Most industrial arms have this geometry, for example the six-axis PowerCube and
-/// the Puma 560.
+/// The second and third axes must be parallel, and the first axis must not be parallel to them. The last
+/// three axes must meet in one point. Most industrial arms have this geometry, for example the six-axis
+/// PowerCube and the Puma 560.
 ///
 /// ```
 /// use gelenk_generated::puma560;

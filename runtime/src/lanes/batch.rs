@@ -11,17 +11,18 @@ use gelenk_kernels::discrete_time::shared::{COEFFICIENTS, MOST_DOUBLINGS, TERMS,
 /// polynomial are enough. The remainder of the series is then below `0.34¹²/13! = 4e-16`.
 const OF_TWO_PARTS: f64 = 0.34;
 
-/// A linearized robot `v̇ = A_y δ + A_v v + B_x u + c`, `δ̇ = D δ + v`, with its state at the beginning of
-/// the period.
+/// A linearized robot `v̇ = A_y δ + A_v v + B_x u + c`, `δ̇ = D δ + v` with displacements δ, velocities v and
+/// inputs u, and its state at the beginning of the period.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Case<const N: usize, const M: usize> {
     pub by_y: [[f64; N]; N],
     pub by_v: [[f64; N]; N],
     pub by_u: [[f64; M]; N],
     pub rest: [f64; N],
-    /// Matrix D of robots with quaternions. Arms do not use it.
+    /// Matrix D of `δ̇ = D δ + v` for robots with quaternions, with displacements δ and velocities v. Arms do
+    /// not use it.
     pub drift: [[f64; N]; N],
-    /// δ and v at the beginning of the period.
+    /// Displacements δ and velocities v at the beginning of the period.
     pub state: [[f64; N]; 2],
     pub input: [f64; M],
 }
@@ -29,11 +30,11 @@ pub(crate) struct Case<const N: usize, const M: usize> {
 /// Zero-order hold of a [`Case`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Held<const N: usize, const M: usize> {
-    /// A_d, row by row.
+    /// State matrix A_d of the discrete-time system, row by row.
     pub state: [[[[f64; N]; 2]; N]; 2],
-    /// B_d, row by row.
+    /// Input matrix B_d of the discrete-time system, row by row.
     pub input: [[[f64; M]; N]; 2],
-    /// δ and v at the end of the period.
+    /// Displacements δ and velocities v at the end of the period.
     pub next: [[f64; N]; 2],
     /// False if the robot is too fast or not finite. The other fields are then undefined.
     pub is_finite: bool,
@@ -76,8 +77,8 @@ pub(super) struct Batch<V, const N: usize, const M: usize> {
     drift: Blocks<V, N, 1, N>,
     from: [Column<V, N>; 2],
     u: [V; M],
-    /// Upper halves of the powers of A h, with the step length h. The upper half of a power is the lower half of the
-    /// previous power.
+    /// Upper halves of the powers of A h, with the system matrix A and the step length h. The upper half of a
+    /// power is the lower half of the previous power.
     powers: Vec<Half<V, N>>,
     /// Upper half of the integral Φ of the matrix exponential.
     integral: Half<V, N>,
@@ -162,7 +163,8 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         pack(&mut self.u, cases.map(|case| &case.input[..]));
     }
 
-    /// Replaces the velocities v of the robot by the rates `D δ + v`: `A_y ← A_y − A_v D`, `A_v ← A_v + D`.
+    /// Replaces the velocities v of the robot by the rates `D δ + v` of its displacements δ: `A_y ← A_y − A_v
+    /// D`, `A_v ← A_v + D`.
     #[inline(always)]
     fn turn_rates(&mut self, cases: [&Case<N, M>; WIDTH]) {
         pack(entries_mut(&mut self.drift), cases.map(|case| case.drift.as_flattened()));
@@ -212,7 +214,8 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         core::array::from_fn(|lane| halvings(flat(&a)[lane], flat(&b)[lane], period))
     }
 
-    /// Computes Φ over the step length h of each lane. Here the second half of the state is h ẏ.
+    /// Computes the integral Φ of the matrix exponential over the step length h of each lane. Here the second
+    /// half of the state is h ẏ.
     #[inline(always)]
     fn set_integral(&mut self, h: V) {
         let square = h * h;
@@ -241,7 +244,8 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         sum(&mut self.integral, Start::Scaled(1.0, first), second, &[(0, left), (1, right)]);
     }
 
-    /// Computes Φ over 2ᵏ times the step length, with k = `counts` for each lane.
+    /// Computes the integral Φ of the matrix exponential over 2ᵏ times the step length, with k = `counts` for
+    /// each lane.
     #[inline(always)]
     fn double_integral(&mut self, counts: [u32; WIDTH]) {
         let [change, other, _] = &mut self.spare;
@@ -258,7 +262,8 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         }
     }
 
-    /// Computes `A_d − 1`, `B_d` and `c_d` from Φ.
+    /// Computes `A_d − 1`, `B_d` and `c_d` of the discrete-time system from the integral of the matrix
+    /// exponential.
     #[inline(always)]
     fn set_changes(&mut self, h: V) {
         let (system, [upper, lower], integral) = (&mut self.spare[0], &mut self.change, &mut self.integral);
@@ -283,7 +288,8 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         }
     }
 
-    /// Computes `A_d − 1`, `B_d` and `c_d` over 2ᵏ times the step length, with k = `counts` for each lane.
+    /// Computes `A_d − 1`, `B_d` and `c_d` of the discrete-time system over 2ᵏ times the step length, with k
+    /// = `counts` for each lane.
     #[inline(always)]
     fn double_steps(&mut self, counts: [u32; WIDTH]) {
         for done in 0..counts.into_iter().max().unwrap_or(0) {
@@ -303,7 +309,7 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
         }
     }
 
-    /// Writes the results. They contain the state at the end of the period instead of c_d.
+    /// Writes the results. They contain the state at the end of the period instead of the affine term c_d.
     #[inline(always)]
     fn store(&mut self) {
         for half in 0..2 {
@@ -354,7 +360,8 @@ fn zero_if_finite<V: Vector>(numbers: &[V]) -> V {
     sum
 }
 
-/// 1 in lanes in which `‖A⁴‖^¼` or `‖A⁵‖^⅕` exceeds [`OF_TWO_PARTS`], 0 in the other lanes.
+/// 1 in lanes in which `‖A⁴‖^¼` or `‖A⁵‖^⅕` of the system matrix A times the step length exceeds
+/// [`OF_TWO_PARTS`], 0 in the other lanes.
 #[inline(always)]
 fn needs_third_part<V: Vector, const N: usize>(powers: &[Half<V, N>]) -> V {
     let (fourth, fifth, sixth) = (norm(&powers[4]), norm(&powers[5]), norm(&powers[6]));
@@ -365,7 +372,7 @@ fn needs_third_part<V: Vector, const N: usize>(powers: &[Half<V, N>]) -> V {
     V::select_positive(excess, V::one(), V::zero())
 }
 
-/// Restores the entries of lanes that have already done all their doublings.
+/// Restores the entries of lanes whose step already has its full length after `done` doublings.
 #[inline(always)]
 fn keep_done<V: Vector>(new: &mut [V], old: &[V], counts: [u32; WIDTH], done: u32) {
     if counts.iter().all(|count| *count > done) {
@@ -385,7 +392,8 @@ fn of_lanes<V: Vector>(numbers: [f64; WIDTH]) -> V {
     vector
 }
 
-/// Computes the sums `Σ c_k Aᵏ` over the terms of each part of the polynomial.
+/// Computes the sums `Σ c_k Aᵏ` over the terms of each part of the Taylor polynomial in the system matrix A,
+/// with the coefficients c_k.
 #[inline(always)]
 fn combine<V: Vector, const N: usize, const P: usize>(
     powers: &[Half<V, N>],
@@ -427,13 +435,13 @@ fn norm<V: Vector, const N: usize, const B: usize>(blocks: &Blocks<V, N, B, N>) 
     largest
 }
 
-/// All entries, row by row.
+/// All entries of a matrix of blocks, row by row, as a mutable slice.
 #[inline(always)]
 fn entries_mut<T, const N: usize, const B: usize, const C: usize>(blocks: &mut [[[T; C]; B]; N]) -> &mut [T] {
     blocks.as_flattened_mut().as_flattened_mut()
 }
 
-/// All entries, row by row.
+/// All entries of a matrix of blocks, row by row, as a slice.
 #[inline(always)]
 fn entries<T, const N: usize, const B: usize, const C: usize>(blocks: &[[[T; C]; B]; N]) -> &[T] {
     blocks.as_flattened().as_flattened()

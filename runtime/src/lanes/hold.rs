@@ -139,7 +139,8 @@ impl<const N: usize, const M: usize> Case<N, M> {
 }
 
 impl<const N: usize, const M: usize> Held<N, M> {
-    /// The discretization of a case with the initial state 0. The final state of this case is c_d.
+    /// The discretization of a case with the initial state 0. The final state of this case is the affine term
+    /// c_d.
     fn discretization<const NY: usize>(&self) -> Discretization<N, M, NY> {
         let infinite = f64::INFINITY;
         if !self.is_finite {
@@ -152,7 +153,7 @@ impl<const N: usize, const M: usize> Held<N, M> {
         Discretization { state: self.blocks(), input: self.input, affine: self.next }
     }
 
-    /// A_d as blocks.
+    /// State matrix A_d of the discrete-time system as blocks.
     pub fn blocks(&self) -> [[[[f64; N]; N]; 2]; 2] {
         let mut blocks = [[[[0.0; N]; N]; 2]; 2];
         for half in 0..2 {

@@ -18,9 +18,9 @@ pub enum MpcError {
         option: &'static str,
         /// Index of the component; `None` for an option with one value.
         index: Option<usize>,
-        /// Value that was given.
+        /// Value of the option that is out of range.
         value: f64,
-        /// Allowed range.
+        /// Allowed range of the option, as text.
         range: &'static str,
     },
     /// A row ([`MpcRow`](super::MpcRow)) is not valid.

@@ -25,7 +25,8 @@ const MAX_BRIDGED: u32 = 100;
 /// Number of equal time intervals of the trajectory. Terminal weights are computed at their ends.
 const TERMINAL_INTERVALS: usize = 32;
 
-/// The plan: states x_0 … x_K and inputs `u + d` of K periods, from the solution of the last QP.
+/// The plan from the solution of the last QP: states x_0 … x_K and inputs `u + d` of K periods, with the
+/// input disturbance d.
 #[derive(Debug, Clone)]
 pub(super) struct Plan<const N: usize, const M: usize, const NY: usize> {
     pub states: Vec<Node<N, NY>>,
@@ -528,7 +529,7 @@ where
         Estimate { positions: *self.observer.positions(), velocities: *self.observer.velocities() }
     }
 
-    /// State `k` and input `u + d` of period `k` of the plan.
+    /// State `k` of the plan and input `u + d` of period `k`, with the input disturbance d.
     pub fn planned_point(&self, k: usize) -> (Node<N, NY>, [f64; M]) {
         (self.plan.states[k], self.plan.inputs[k])
     }

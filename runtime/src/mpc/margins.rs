@@ -28,10 +28,12 @@ impl<const N: usize, const NX: usize> Margins<N, NX> {
         Self { sensitivity: SMatrix::zeros() }
     }
 
-    /// Advances S by a stage. Returns the standard deviations of the inputs of this stage and of the states after it.
+    /// Advances the sensitivity S by a stage. Returns the standard deviations of the inputs of this stage and
+    /// of the states after it.
     ///
-    /// - `gain`: K
-    /// - `by_friction`: W
+    /// - `gain`: gain K of the feedback
+    /// - `by_friction`: matrix W, whose column j contains the inputs that act like one standard deviation of
+    ///   the friction of joint j
     pub(super) fn advance<const M: usize, const NR: usize>(
         &mut self,
         stage: &QpStage<NX, M, NR>,
@@ -46,7 +48,7 @@ impl<const N: usize, const NX: usize> Margins<N, NX> {
     }
 }
 
-/// Lengths of the rows.
+/// Euclidean lengths of the rows of a matrix.
 fn lengths<const R: usize, const C: usize>(m: &SMatrix<f64, R, C>) -> [f64; R] {
     core::array::from_fn(|i| m.row(i).norm())
 }

@@ -44,9 +44,9 @@
 //! A delay of one period between measurement and input can be compensated ([`MpcOptions::delay`]). The horizon then
 //! begins one period later, at the state that the previously computed input leads to.
 //!
-//! The construction of a controller collects notes ([`LtvMpc::notes`]), for example about a trajectory that exceeds
-//! the soft limits or a row, friction that is discontinuous at rest, or an inaccurate terminal weight. Print these
-//! notes before the first motion. [`tune`] is the guide to weights and limits.
+//! The construction of a controller collects notes ([`LtvMpc::notes`]). Examples are a trajectory that
+//! exceeds the soft limits or a row, friction that is discontinuous at rest, and an inaccurate terminal
+//! weight. Print these notes before the first motion. [`tune`] is the guide to weights and limits.
 //!
 //! For robots with quaternions, δx is the error state (y ⊖ y_ref, v − v_ref) with `2 N` entries, and the
 //! predictions are derivatives of `y⁺ ⊖ y_ref⁺` with respect to `y ⊖ y_ref`. Positions of joints with a

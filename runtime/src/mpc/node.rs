@@ -15,7 +15,7 @@ impl<const N: usize, const NY: usize> Node<N, NY> {
         self.positions.iter().chain(&self.velocities).all(|x| x.is_finite())
     }
 
-    /// Deviation `(y ⊖ y_ref, v − v_ref)` of this state from `reference`.
+    /// Deviation `(y ⊖ y_ref, v − v_ref)` of this state (y, v) from the state (y_ref, v_ref) of `reference`.
     #[inline]
     pub fn from<const M: usize, const NX: usize>(
         &self,
@@ -59,11 +59,12 @@ impl<const N: usize, const NY: usize> Node<N, NY> {
     }
 }
 
-/// Linear prediction of one period, `x⁺ = A x + B (u + d) + c`.
+/// Linear prediction of the state x after one period, `x⁺ = A x + B (u + d) + c`, with the input u and its
+/// disturbance d.
 pub(super) struct Prediction<'a, const N: usize, const M: usize, const NY: usize> {
     pub state: &'a [[[[f64; N]; N]; 2]; 2],
     pub input: &'a [[[f64; M]; N]; 2],
-    /// Predicted state x⁺ after the state and the input `at`.
+    /// Predicted state x⁺. It follows from the state and the input in the field `at`.
     pub next: Node<N, NY>,
     pub at: (Node<N, NY>, [f64; M]),
 }

@@ -20,7 +20,7 @@ pub enum MpcNote {
         joint: &'static str,
         /// Time at which the speed exceeds its limit most (s).
         time: f64,
-        /// Speed of the joint at this time [rad/s or m/s].
+        /// Speed of the joint at `time` [rad/s or m/s].
         speed: f64,
         /// Limit in [`MpcOptions::velocity_limits`] [rad/s or m/s].
         limit: f64,
@@ -31,7 +31,7 @@ pub enum MpcNote {
         joint: &'static str,
         /// Time at which the position is furthest beyond its limits (s).
         time: f64,
-        /// Position of the joint at this time [rad or m].
+        /// Position of the joint at `time` [rad or m].
         position: f64,
         /// Limits in [`MpcOptions::position_limits`] [rad or m].
         limits: [f64; 2],
@@ -43,7 +43,7 @@ pub enum MpcNote {
         row: &'static str,
         /// Time at which the row is violated most (s).
         time: f64,
-        /// Value of the row at that time, in the unit of the row.
+        /// Value of the row at `time`, in the unit of the row.
         value: f64,
         /// Lower and upper limit of the row.
         limits: [f64; 2],
@@ -70,7 +70,8 @@ pub enum MpcNote {
     Alternating {
         /// Name of the joint.
         joint: &'static str,
-        /// Predicted ratio of the velocity after a period to the velocity before the period; negative.
+        /// Predicted ratio of the velocity after a period to the velocity before the period. The ratio is
+        /// negative.
         share: f64,
     },
     /// The Riccati equation of a terminal weight was not solved to rounding accuracy. The weight is the cost

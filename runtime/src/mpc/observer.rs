@@ -8,8 +8,8 @@ use crate::dynamics::{Discretizable, Dynamics, Step};
 /// independent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObserverOptions<const N: usize, const M: usize> {
-    /// Standard deviation of a measured position [rad or m], > 0. The rounding error of an encoder has the standard
-    /// deviation resolution/√12; add other noise.
+    /// Standard deviation of a measured position [rad or m], > 0. It is resolution/√12 for the rounding error
+    /// of an encoder, plus other noise.
     pub encoder_noise: [f64; N],
     /// Standard deviation of the part of the velocity change in a period that the model does not explain [rad/s or
     /// m/s], ≥ 0.
@@ -71,8 +71,9 @@ pub struct DisturbanceObserver<const N: usize, const M: usize, const NY: usize =
     positions: [f64; NY],
     velocities: [f64; N],
     disturbance: [f64; M],
-    /// Covariance of the augmented state (y, ẏ, d), in rows of 2 N + M entries. `work` is memory for its prediction.
+    /// Covariance of the augmented state (positions, velocities, disturbance), in rows of 2 N + M entries.
     covariance: Vec<f64>,
+    /// Memory for the prediction of the covariance.
     work: Vec<f64>,
     /// Transpose of the sensitivity matrix F of the last prediction, without the columns of the disturbance.
     transition: Vec<f64>,
@@ -317,7 +318,8 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
     }
 }
 
-/// Entry (i, k) of the matrix (A_d, B_d).
+/// Entry (i, k) of the derivatives of the state after a period with respect to the state before (A_d) and the
+/// inputs (B_d), as one matrix (A_d, B_d).
 fn sensitivity<const N: usize, const M: usize, const NY: usize>(
     step: &Step<N, M, NY>,
     i: usize,

@@ -61,11 +61,13 @@ pub enum PredictionRule {
 /// horizon if an optimal regulator without limits controls the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum TerminalWeight {
-    /// P solves the discrete Riccati equation. A solution exists if the inputs can reduce all errors to zero.
+    /// The terminal weight P solves the discrete Riccati equation. A solution exists if the inputs can reduce
+    /// all errors to zero.
     #[default]
     Riccati,
-    /// P solves the Riccati equation with a discount. The cost at the time t after the end of the horizon is
-    /// multiplied by e^(−t/τ). This means that √γ A and √γ B with γ = e^(−T/τ) and the period T replace A and B.
+    /// The terminal weight P solves the Riccati equation with a discount. The cost at the time t after the
+    /// end of the horizon is multiplied by e^(−t/τ). This means that √γ A and √γ B replace the state matrix A
+    /// and the input matrix B, with γ = e^(−T/τ) and the period T.
     ///
     /// Use this weight for robots with a part that no input can control, for example the momentum of a free-floating
     /// body. The errors of this part remain, so their cost would be infinite without discount. Set the weights of
@@ -82,7 +84,7 @@ pub enum TerminalWeight {
 }
 
 impl TerminalWeight {
-    /// Factor √γ of A and B for `period` (s); 1 without discount.
+    /// Factor √γ of the state matrix A and the input matrix B for `period` (s); 1 without discount.
     pub(super) fn discount(self, period: f64) -> f64 {
         match self {
             Self::Riccati => 1.0,
@@ -115,14 +117,15 @@ pub struct MpcOptions<const N: usize, const M: usize, const NR: usize = 0> {
     pub input_limits: [[f64; 2]; M],
     /// Soft lower and upper bounds of the positions [rad or m]; infinite for positions without a bound.
     pub position_limits: [[f64; 2]; N],
-    /// Soft bounds of the speeds [rad/s or m/s]; infinite for speeds without a bound.
+    /// Soft bounds of the speeds, > 0 [rad/s or m/s]; infinite for speeds without a bound.
     pub velocity_limits: [f64; N],
-    /// Probability p, above 1/2 and below 1, that a predicted input, position or speed keeps a limit if the friction of the model
-    /// is uncertain ([`Dynamics::friction_uncertainty`]). The plan keeps narrowed limits. They are narrower by Φ⁻¹(p) standard
-    /// deviations of the prediction, where Φ⁻¹ is the quantile of the normal distribution. The prediction assumes the feedback
-    /// of the regulator of the terminal weight. The margin is small in the first stages, and each step computes a new plan, so
-    /// the robot can come closer to a limit than the end of a plan. [`Self::rows`] are not narrowed. `None`: limits are not
-    /// narrowed.
+    /// Probability p, above 1/2 and below 1, that a predicted input, position or speed keeps a limit if the
+    /// friction of the model is uncertain ([`Dynamics::friction_uncertainty`]). The plan keeps narrowed
+    /// limits. They are narrower by Φ⁻¹(p) standard deviations of the prediction, where Φ⁻¹ is the quantile
+    /// of the normal distribution. The prediction assumes the feedback of the regulator of the terminal
+    /// weight. The margin is small in the first stages, and each step computes a new plan. Therefore the
+    /// robot can come closer to a limit than the end of a plan. [`Self::rows`] are not narrowed. `None`:
+    /// limits are not narrowed.
     pub limit_probability: Option<f64>,
     /// Limits of weighted sums of positions, velocities and inputs, see [`Self::with_rows`].
     pub rows: [MpcRow<N, M>; NR],

@@ -14,9 +14,9 @@ const ROUNDING: f64 = 1e-9;
 
 #[derive(Debug, Clone)]
 pub(super) struct Reference<const N: usize, const M: usize, const NY: usize> {
-    /// Desired states x_ref at the K + 1 nodes of the horizon.
+    /// Desired states x_ref at the K + 1 nodes of a horizon of K periods.
     pub nodes: Vec<Node<N, NY>>,
-    /// Desired state in the middle of each of the K periods.
+    /// Desired state in the middle of each period of the horizon.
     pub middles: Vec<Sample<N, NY>>,
     /// Feed-forward u_ff in the middle of each period.
     pub inputs: Vec<[f64; M]>,
@@ -62,8 +62,9 @@ impl<const N: usize, const M: usize, const NY: usize> Reference<N, M, NY> {
         self.first + (self.passed + nodes) * self.period
     }
 
-    /// Computes the reference from `start` (s) on. Returns the number of periods since the previous reference, or the
-    /// number K of periods in the horizon if no value of the previous reference is kept.
+    /// Computes the reference from `start` (s) on. Returns the number of periods since the previous
+    /// reference. If no value of the previous reference is kept, it returns the number of periods in the
+    /// horizon.
     ///
     /// The trajectory is sampled again, because it may have changed. Feed-forward and stages are kept if the samples
     /// are equal to the previous samples. For robots with driven joints nothing is kept, because the driven motion
@@ -103,8 +104,9 @@ impl<const N: usize, const M: usize, const NY: usize> Reference<N, M, NY> {
         passed
     }
 
-    /// Sets the start to `start` (s). Returns the number of periods since the previous start, or K if the difference is
-    /// not a whole number of periods below K.
+    /// Sets the start to `start` (s). Returns the number of periods since the previous start. If the
+    /// difference is not a whole number of periods within the horizon, the result is the number K of periods
+    /// in the horizon.
     fn begin(&mut self, start: f64) -> usize {
         let periods = self.inputs.len();
         let since = (start - self.time(0.0)) / self.period;

@@ -197,8 +197,8 @@ impl<const N: usize, const M: usize> MpcRow<N, M> {
         false
     }
 
-    /// Value `G_y y + G_v ẏ + G_u u` of the row at positions [rad or m], velocities [rad/s or m/s] and inputs [N m, N or
-    /// A].
+    /// Value of the weighted sum at positions [rad or m], velocities [rad/s or m/s] and inputs [N m, N or A],
+    /// in the unit of the row.
     #[must_use]
     pub fn value(&self, positions: &[f64; N], velocities: &[f64; N], inputs: &[f64; M]) -> f64 {
         dot(&self.positions, positions) + dot(&self.velocities, velocities) + dot(&self.inputs, inputs)
@@ -269,7 +269,7 @@ pub(super) fn range<const M: usize>(factors: &[f64; M], limits: &[[f64; 2]; M]) 
 pub enum RowFault {
     /// A coefficient is infinite or NaN.
     NotFinite {
-        /// Value of the coefficient.
+        /// Coefficient that is infinite or NaN.
         value: f64,
     },
     /// The limits do not form an interval for one of these reasons:
@@ -278,16 +278,16 @@ pub enum RowFault {
     /// - the lower limit is above the upper limit, or is +∞, or the upper limit is −∞
     /// - a limit divided by the largest coefficient overflows
     Sides {
-        /// Lower limit.
+        /// Lower limit of the row.
         lower: f64,
-        /// Upper limit.
+        /// Upper limit of the row.
         upper: f64,
     },
     /// All coefficients are zero, and zero is not between the limits.
     Zero {
-        /// Lower limit.
+        /// Lower limit of the row.
         lower: f64,
-        /// Upper limit.
+        /// Upper limit of the row.
         upper: f64,
     },
     /// The row contains a position of a joint with a quaternion.
@@ -308,9 +308,9 @@ pub enum RowFault {
     },
     /// The linear penalty is not positive, the quadratic penalty is negative, or a penalty is not finite.
     Penalty {
-        /// [`Penalty::linear`].
+        /// Linear penalty, in cost per unit of violation.
         linear: f64,
-        /// [`Penalty::quadratic`].
+        /// Quadratic penalty, in cost per squared unit of violation.
         quadratic: f64,
     },
 }
@@ -375,8 +375,8 @@ pub(super) fn set_matrices<const N: usize, const M: usize, const NX: usize, cons
     }
 }
 
-/// Sets the limits of the rows in the QP, whose variables are deviations from the reference. For inputs the deviation
-/// is `u + d − u_ff`.
+/// Sets the limits of the rows in the QP, whose variables are deviations from the reference. For inputs the
+/// deviation is `u + d − u_ff`, with the input disturbance d and the feed-forward u_ff.
 pub(super) fn set_sides<const N: usize, const M: usize, const NX: usize, const NR: usize>(
     problem: &mut QpProblem<NX, M, NR>,
     rows: &[MpcRow<N, M>; NR],

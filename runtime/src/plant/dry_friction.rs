@@ -70,7 +70,7 @@ pub(super) struct Joints<'d, D, const N: usize, const M: usize, const NY: usize>
 }
 
 impl<'d, D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Joints<'d, D, N, M, NY> {
-    /// The same joints and modes with another model, which is the model at another time.
+    /// Joints with the present modes and another model, for example the model at another time.
     fn of<'e>(&self, model: &'e D) -> Joints<'e, D, N, M, NY>
     where
         'd: 'e,
@@ -234,9 +234,9 @@ struct Solution<const N: usize> {
 /// Friction of a joint just before and just after rest.
 #[derive(Debug, Clone, Copy)]
 struct Range {
-    /// Friction without load.
+    /// Friction just before and just after rest without its load-dependent part [N m or N].
     unloaded: [f64; 2],
-    /// Friction per unit of load.
+    /// Load-dependent friction per unit of load, just before and just after rest.
     shares: [f64; 2],
 }
 

@@ -44,8 +44,8 @@ pub struct Measurement<const N: usize, const NY: usize = N> {
     pub positions: [f64; NY],
     /// Measured velocities [rad/s or m/s]; `None` if [`PlantOptions::velocity_noise`] is `None`.
     pub velocities: Option<[f64; N]>,
-    /// Measured drive forces B u_applied at the joints in the last period [N m or N]; `None` if
-    /// [`PlantOptions::torque_noise`] is `None`.
+    /// Measured drive forces at the joints in the last period [N m or N], which the applied inputs produce;
+    /// `None` if [`PlantOptions::torque_noise`] is `None`.
     pub torques: Option<[f64; N]>,
 }
 

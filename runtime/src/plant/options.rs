@@ -34,10 +34,10 @@ pub struct PlantOptions<const N: usize, const M: usize> {
     pub input_noise: [f64; M],
     /// Number of periods until an input has an effect, 0 to 1000; see [`Plant::apply`](super::Plant::apply).
     pub delay: usize,
-    /// Probability that an input is lost. The previous input then acts for one more period.
+    /// Probability that an input is lost, 0 to 1. The previous input then acts for one more period.
     pub input_loss: f64,
-    /// Probability that a measurement is lost. [`Plant::measure`](super::Plant::measure) then returns the
-    /// previous measurement.
+    /// Probability that a measurement is lost, 0 to 1. [`Plant::measure`](super::Plant::measure) then returns
+    /// the previous measurement.
     pub measurement_loss: f64,
     /// Friction torque of each engaged brake [N m or N]; 0 for joints without a brake. With an infinite torque the
     /// joint stops immediately. `None` selects these defaults:
@@ -46,9 +46,9 @@ pub struct PlantOptions<const N: usize, const M: usize> {
     /// - Other joints have no brake, also if inputs at frames (for example cylinders) move them. Set a brake if the
     ///   valves of the real robot hold the joint.
     pub brake_torque: Option<[f64; N]>,
-    /// Relative error tolerance of an integration step.
+    /// Relative error tolerance of an integration step, 1e-14 to 1e-2.
     pub relative_tolerance: f64,
-    /// Absolute error tolerance of an integration step [rad, m, rad/s or m/s].
+    /// Absolute error tolerance of an integration step, 1e-14 to 1e-2 [rad, m, rad/s or m/s].
     pub absolute_tolerance: f64,
     /// Seed of all random numbers. The same seed and the same inputs give the same motion.
     pub seed: u64,
@@ -76,7 +76,7 @@ impl<const N: usize, const M: usize> Default for PlantOptions<N, M> {
     }
 }
 
-/// Largest delay in periods.
+/// Largest delay of the inputs, in periods.
 const MAX_DELAY: usize = 1000;
 
 impl<const N: usize, const M: usize> PlantOptions<N, M> {
@@ -179,9 +179,9 @@ pub enum PlantError {
         option: &'static str,
         /// Name of the joint or input; `None` for options of the whole plant.
         of: Option<&'static str>,
-        /// Value that was given.
+        /// Value of the option that is out of range.
         value: f64,
-        /// Allowed range.
+        /// Allowed range of the option, as text.
         range: &'static str,
     },
     /// A start position or velocity is NaN or infinite.

@@ -22,14 +22,14 @@ const LEAST_WIDTH: f64 = 1e-10;
 /// Choice of the first iterate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Start {
-    /// The unconstrained optimum.
+    /// The first iterate is the unconstrained optimum.
     Cold,
-    /// The last solution.
+    /// The first iterate is near the last solution.
     Near,
-    /// A point deep inside the bounds, with cautious steps. This start is for problems that the other starts do not
-    /// solve.
+    /// The first iterate is deep inside the bounds, and the steps are cautious. This start is for problems
+    /// that the other starts do not solve.
     Deep,
-    /// The unconstrained optimum. Penalties replace hard state bounds and rows.
+    /// The first iterate is the unconstrained optimum, and penalties replace hard state bounds and rows.
     Relaxed,
 }
 
@@ -41,18 +41,22 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     pub(super) rows: Rows<V, NX, NU, NR>,
     /// Bounds of the inputs.
     pub(super) input_bounds: Bounds<V>,
+    /// Bounds of the states and rows.
     pub(super) state_bounds: Bounds<V>,
-    /// Inputs whose bounds are equal, and hard states and rows whose bounds are equal.
+    /// Inputs whose bounds are equal.
     pub(super) fixed: Fixed<V>,
+    /// Hard states and rows whose bounds are equal.
     pub(super) equalities: Equalities<V>,
     /// Whether penalties have replaced hard bounds and rows.
     pub(super) softened: bool,
-    /// Vectors `c_k` of the dynamics. c_0 includes `A_0 x_0`.
+    /// Affine terms `c_k` of the dynamics `x⁺ = A x + B u + c`. c_0 includes the contribution `A_0 x_0` of
+    /// the initial state.
     pub(super) affine: Vec<V>,
     /// Gap that always counts as zero, see [`QpSettings::tolerance`].
     pub(super) negligible: f64,
-    /// Linear cost, and the constant cost of the input before the horizon.
+    /// Linear part of the cost: its gradient at zero inputs and states.
     pub(super) linear: Trajectory<V>,
+    /// Constant cost of the input before the horizon.
     pub(super) constant: f64,
     pub(super) iterate: Trajectory<V>,
     /// The solution that is returned.
@@ -60,8 +64,9 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     pub(super) step: Trajectory<V>,
     /// Gradient of the cost at the iterate.
     pub(super) gradient: Trajectory<V>,
-    /// Right-hand side of the Newton step, and diagonal barrier terms.
+    /// Right-hand side of the Newton step.
     pub(super) rhs: Trajectory<V>,
+    /// Diagonal barrier terms.
     pub(super) weight: Trajectory<V>,
     /// Multipliers of the solution.
     pub(super) multipliers: [Multipliers<V>; 2],
@@ -73,6 +78,7 @@ pub(super) struct Core<V, const NX: usize, const NU: usize, const NR: usize> {
     pub(super) kept_multipliers: [Multipliers<V>; 2],
     /// Certificate after all starts; `None` if the problem is solved.
     pub(super) unsolved: Option<Certificate>,
+    /// Whether the last problem was solved.
     pub(super) solved: bool,
     /// Pause of Newton's method after failed warm starts.
     pub(super) pause: Pause,
@@ -141,18 +147,18 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// Input `u_k` of the solution; zeros for `k ≥ N`.
+    /// Input `u_k` of the solution; zeros beyond the last stage.
     pub(super) fn input(&self, k: usize) -> [f64; NU] {
         if k < self.horizon { self.solution.input(k) } else { [0.0; NU] }
     }
 
-    /// State `x_k` of the solution for `1 ≤ k ≤ N`, computed from the inputs by the dynamics; zeros for other
-    /// `k`.
+    /// State `x_k` of the solution after k of the N stages, `1 ≤ k ≤ N`, computed from the inputs by the
+    /// dynamics; zeros for other `k`.
     pub(super) fn state(&self, k: usize) -> [f64; NX] {
         if (1..=self.horizon).contains(&k) { self.solution.state(k - 1) } else { [0.0; NX] }
     }
 
-    /// Multipliers `[lower, upper]` of the bounds of `u_k`, all ≥ 0; zeros for `k ≥ N`.
+    /// Multipliers `[lower, upper]` of the bounds of the input `u_k`, all ≥ 0; zeros beyond the last stage.
     pub(super) fn input_multipliers(&self, k: usize) -> [[f64; 2]; NU] {
         core::array::from_fn(
             |i| {
@@ -161,7 +167,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         )
     }
 
-    /// Multipliers `[lower, upper]` of the bounds of `x_k` for `1 ≤ k ≤ N`, all ≥ 0; zeros for other `k`.
+    /// Multipliers `[lower, upper]` of the bounds of the state `x_k` after k of the N stages, `1 ≤ k ≤ N`,
+    /// all ≥ 0; zeros for other `k`.
     pub(super) fn state_multipliers(&self, k: usize) -> [[f64; 2]; NX] {
         let padded = Self::RX * V::WIDTH;
         let inside = (1..=self.horizon).contains(&k);
@@ -172,7 +179,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         )
     }
 
-    /// Multipliers `[lower, upper]` of the rows of node `k` for `0 ≤ k ≤ N`, all ≥ 0; zeros for other `k`.
+    /// Multipliers `[lower, upper]` of the rows of node `k`, `0 ≤ k ≤ N` for N stages, all ≥ 0; zeros for
+    /// other `k`.
     pub(super) fn row_multipliers(&self, k: usize) -> [[f64; 2]; NR] {
         let place = (self.horizon * Self::RX + k * lanes::<V>(NR)) * V::WIDTH;
         core::array::from_fn(|r| {
@@ -217,7 +225,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         }
     }
 
-    /// Stores the solution, and ends the pause, so that the next problem has a warm start.
+    /// Stores the solution and the pause of Newton's method until [`Self::take_back`]. Until then Newton's
+    /// method is tried without a pause.
     pub(super) fn set_aside(&mut self) {
         let (solution, multipliers, solved, pause) = &mut self.spare;
         solution.copy_from(&self.solution);

@@ -50,7 +50,7 @@ impl<V: Vector> Targets<V> {
         flat_mut(&mut self.target)[i] = target;
     }
 
-    /// Sets the numbers to their targets.
+    /// Sets the numbers of a vector to their target values.
     fn place(&self, z: &mut [V]) {
         if self.any {
             vectorized!(V, {
@@ -139,10 +139,11 @@ impl<V: Vector> Fixed<V> {
 #[derive(Debug, Clone)]
 pub(super) struct Equalities<V> {
     targets: Targets<V>,
-    /// Weight W.
+    /// Weight W of the squared violation of an equality.
     weight: V,
-    /// Multipliers π, and their step.
+    /// Multipliers π of the equalities.
     force: Vec<V>,
+    /// Step of the multipliers of the equalities.
     step: Vec<V>,
 }
 
@@ -167,7 +168,7 @@ impl<V: Vector> Equalities<V> {
         self.targets.any
     }
 
-    /// Requires that number `i` of the padded states is `value`.
+    /// Requires that entry `i` of the padded states is `value`.
     pub(super) fn set(&mut self, i: usize, value: f64) {
         self.targets.set(i, value);
     }
@@ -177,7 +178,7 @@ impl<V: Vector> Equalities<V> {
         self.targets.place(x);
     }
 
-    /// Sets the diagonal term W.
+    /// Sets the weight W of the equalities, which is also their diagonal term in the Newton system.
     pub(super) fn cap_weights(&mut self, weight: f64) {
         self.weight = V::splat(weight);
     }
@@ -203,7 +204,8 @@ impl<V: Vector> Equalities<V> {
         self.targets.active[i] * (x[i] - self.targets.target[i])
     }
 
-    /// Largest `|x − b|`, relative to b if |b| exceeds 1.
+    /// Largest violation `|x − b|` of an equality between a state x and its value b, relative to b if |b|
+    /// exceeds 1.
     pub(super) fn violation(&self, x: &[V]) -> f64 {
         if !self.any() {
             return 0.0;
@@ -218,7 +220,7 @@ impl<V: Vector> Equalities<V> {
         })
     }
 
-    /// Adds the diagonal terms W.
+    /// Adds the weights W of the equalities to the diagonal terms.
     pub(super) fn weigh(&self, weight: &mut [V]) {
         if self.any() {
             vectorized!(V, {
@@ -229,7 +231,8 @@ impl<V: Vector> Equalities<V> {
         }
     }
 
-    /// Adds diagonal terms and a linear cost that move the minimum to near the values.
+    /// Adds diagonal terms and a linear cost, so that the minimum of the cost is near the required values of
+    /// the states.
     pub(super) fn attract(&self, weight: &mut [V], linear: &mut [V]) {
         self.weigh(weight);
         if self.any() {
@@ -241,7 +244,8 @@ impl<V: Vector> Equalities<V> {
         }
     }
 
-    /// Subtracts the forces `π − W (x − b)` from the gradient of a step.
+    /// Subtracts the forces `π − W (x − b)` from the gradient of a step, with the multipliers π, the weight
+    /// W, the states x and their values b.
     pub(super) fn pull(&self, x: &[V], rhs: &mut [V]) {
         if self.any() {
             vectorized!(V, {
@@ -253,7 +257,7 @@ impl<V: Vector> Equalities<V> {
         }
     }
 
-    /// Derivative of the augmented terms along `dx` at `x + length · dx`.
+    /// Derivative of the terms of the equalities along `dx` at `x + length · dx`.
     pub(super) fn slope(&self, x: &[V], dx: &[V], length: f64) -> f64 {
         if !self.any() {
             return 0.0;
@@ -291,7 +295,7 @@ impl<V: Vector> Equalities<V> {
         }
     }
 
-    /// Adds the multipliers π to those of the bounds.
+    /// Adds the multipliers of the equalities to those of the bounds.
     pub(super) fn multipliers(&self, out: &mut Multipliers<V>) {
         if self.any() {
             vectorized!(V, {
@@ -303,7 +307,8 @@ impl<V: Vector> Equalities<V> {
         }
     }
 
-    /// The gap `Σ |π (x − b)|`, with π from `multipliers`.
+    /// The gap `Σ |π (x − b)|` of the equalities between states x and their values b, with the multipliers π
+    /// from `multipliers`.
     pub(super) fn gap(&self, x: &[V], multipliers: &Multipliers<V>) -> f64 {
         if !self.any() {
             return 0.0;

@@ -10,9 +10,9 @@
 use crate::no_std::*;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-/// Numbers per lane of [`Portable`] and [`Avx2`](super::x86::Avx2).
+/// Number of floating-point numbers in a lane of [`Portable`] and [`Avx2`](super::x86::Avx2).
 pub(crate) const WIDTH: usize = 4;
-/// Largest number of numbers per lane.
+/// Largest number of floating-point numbers in a lane.
 pub(super) const MAX_WIDTH: usize = 8;
 
 /// Lanes that need no processor features beyond those for which the crate is compiled.
@@ -135,7 +135,7 @@ pub(super) const fn lanes<V: Vector>(n: usize) -> usize {
     n.div_ceil(V::WIDTH)
 }
 
-/// `n` zero lanes.
+/// Vector of `n` lanes with the value zero.
 pub(super) fn zeros<V: Vector>(n: usize) -> Vec<V> {
     vec![V::zero(); n]
 }

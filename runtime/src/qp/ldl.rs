@@ -1,6 +1,7 @@
 //! Factorization of the small symmetric matrices of the inputs.
 
-/// Error: a pivot of `R̃ + BᵀPB` is not positive. Either the weights are not positive (semi)definite, or a number is not
+/// Error: a pivot of `R̃ + BᵀPB` is not positive, with the input weights and barrier terms R̃, the input
+/// matrix B and the cost-to-go P. Either the weights are not positive (semi)definite, or a number is not
 /// finite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct NotPositive;
@@ -31,7 +32,7 @@ pub(super) fn factor_ldl<const NU: usize>(mut h: [[f64; NU]; NU]) -> Result<[[f6
     if positive { Ok(h) } else { Err(NotPositive) }
 }
 
-/// Solution `(Λ D Λᵀ)⁻¹ w`.
+/// Solves `Λ D Λᵀ x = w` with the factors of [`factor_ldl`].
 #[inline(always)]
 pub(super) fn solve_ldl<const NU: usize>(l: &[[f64; NU]; NU], w: &[f64; NU]) -> [f64; NU] {
     let mut v = *w;

@@ -46,9 +46,9 @@ pub struct Penalty {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct QpRows<const NX: usize, const NU: usize, const NR: usize> {
-    /// Matrix `C`, row by row.
+    /// Coefficients `C` of the states, row by row.
     pub state_matrix: [[f64; NX]; NR],
-    /// Matrix `D`, row by row.
+    /// Coefficients `D` of the inputs, row by row.
     pub input_matrix: [[f64; NU]; NR],
     /// Lower limits `lo`; −∞ for a row without a lower limit.
     pub lower: [f64; NR],
@@ -84,31 +84,31 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpRows<NX, NU, NR> {
     }
 }
 
-/// Data of stage `k`: dynamics `x_{k+1} = A x_k + B u_k + c`, linear cost and bounds of `u_k` and `x_{k+1}`, and rows of
-/// `x_k` and `u_k`.
+/// Data of stage `k` with the states x and the inputs u: dynamics `x_{k+1} = A x_k + B u_k + c`, linear cost
+/// and bounds of `u_k` and `x_{k+1}`, and rows of `x_k` and `u_k`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QpStage<const NX: usize, const NU: usize, const NR: usize = 0> {
-    /// Matrix `A_k` of the dynamics, row by row.
+    /// State matrix `A_k` of the dynamics, row by row.
     pub state_matrix: [[f64; NX]; NX],
-    /// Matrix `B_k` of the dynamics, row by row.
+    /// Input matrix `B_k` of the dynamics, row by row.
     pub input_matrix: [[f64; NU]; NX],
-    /// Vector `c_k` of the dynamics.
+    /// Affine term `c_k` of the dynamics.
     pub affine: [f64; NX],
-    /// Linear cost `r_k` of `u_k`.
+    /// Linear cost `r_k` of the inputs `u_k`.
     pub input_gradient: [f64; NU],
-    /// Linear cost `q_{k+1}` of `x_{k+1}`.
+    /// Linear cost `q_{k+1}` of the state `x_{k+1}` after the stage.
     pub state_gradient: [f64; NX],
-    /// Lower bounds of `u_k`; −∞ for an input without a lower bound. Bounds of inputs are hard.
+    /// Lower bounds of the inputs `u_k`; −∞ for an input without a lower bound. Bounds of inputs are hard.
     pub input_lower: [f64; NU],
-    /// Upper bounds of `u_k`; +∞ for an input without an upper bound. Bounds of inputs are hard.
+    /// Upper bounds of the inputs `u_k`; +∞ for an input without an upper bound. Bounds of inputs are hard.
     pub input_upper: [f64; NU],
-    /// Lower bounds of `x_{k+1}`, hard or soft according to [`QpProblem::state_penalty`]; −∞ for a state
-    /// without a lower bound.
+    /// Lower bounds of the state `x_{k+1}` after the stage, hard or soft according to
+    /// [`QpProblem::state_penalty`]; −∞ for a state without a lower bound.
     pub state_lower: [f64; NX],
-    /// Upper bounds of `x_{k+1}`, hard or soft according to [`QpProblem::state_penalty`]; +∞ for a state
-    /// without an upper bound.
+    /// Upper bounds of the state `x_{k+1}` after the stage, hard or soft according to
+    /// [`QpProblem::state_penalty`]; +∞ for a state without an upper bound.
     pub state_upper: [f64; NX],
-    /// Rows `lo ≤ C x_k + D u_k ≤ hi`.
+    /// Rows `lo ≤ C x_k + D u_k ≤ hi` with the state `x_k` before the stage and its inputs `u_k`.
     pub rows: QpRows<NX, NU, NR>,
 }
 
@@ -128,14 +128,14 @@ pub struct QpStage<const NX: usize, const NU: usize, const NR: usize = 0> {
 pub struct QpProblem<const NX: usize, const NU: usize, const NR: usize = 0> {
     /// Initial state `x_0`.
     pub initial_state: [f64; NX],
-    /// Weight `Q` of x_1 … x_{N−1}.
+    /// Weight `Q` of the states x_1 … x_{N−1}.
     pub state_weight: [[f64; NX]; NX],
-    /// Weight `R` of u_0 … u_{N−1}.
+    /// Weight `R` of the inputs u_0 … u_{N−1}.
     pub input_weight: [[f64; NU]; NU],
-    /// Weight `P` of x_N.
+    /// Weight `P` of the last state x_N.
     pub terminal_weight: [[f64; NX]; NX],
-    /// Weight `W` of the changes u_k − u_{k−1}; zero if changes have no cost. For a weight of the rate of the inputs, W is
-    /// this weight divided by T², with the period T.
+    /// Weight `W` of the changes u_k − u_{k−1} of the inputs; zero if changes have no cost. For a weight of
+    /// the rate of the inputs, W is this weight divided by T², with the period T.
     pub input_rate_weight: [[f64; NU]; NU],
     /// Input `u_{−1}` before the horizon. It only has an effect if W is not zero.
     pub previous_input: [f64; NU],
@@ -145,7 +145,7 @@ pub struct QpProblem<const NX: usize, const NU: usize, const NR: usize = 0> {
     pub row_penalty: [Option<Penalty>; NR],
     /// Rows of the last state `x_N`, without inputs.
     pub terminal_rows: QpRows<NX, 0, NR>,
-    /// Stages 0 … N−1.
+    /// Stages 0 … N−1 of the horizon.
     pub stages: Vec<QpStage<NX, NU, NR>>,
 }
 

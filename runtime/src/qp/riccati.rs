@@ -47,43 +47,51 @@ pub(super) const MAX_LANES: usize = 8;
 #[derive(Debug, Clone)]
 pub(crate) struct Riccati<V, const NX: usize, const NU: usize> {
     pub(super) horizon: usize,
-    /// Rows of `A_k`, `NX` padded rows per stage.
+    /// Rows of the state matrices `A_k`, `NX` padded rows per stage.
     pub(super) a: Vec<V>,
-    /// Columns of `B_k`, `NU` padded columns per stage.
+    /// Columns of the input matrices `B_k`, `NU` padded columns per stage.
     pub(super) b: Vec<V>,
-    /// Rows of `B_k`, `NX` padded rows per stage.
+    /// Rows of the input matrices `B_k`, `NX` padded rows per stage.
     pub(super) b_rows: Vec<V>,
-    /// Columns of Q and of the terminal weight, and rows of R.
+    /// Columns of the state weight Q.
     pub(super) q: Vec<V>,
+    /// Columns of the terminal weight.
     pub(super) terminal: Vec<V>,
+    /// Rows of the input weight R.
     pub(super) r: [[f64; NU]; NU],
-    /// Largest magnitude of an entry of Q, the terminal weight, R and W.
+    /// Largest magnitude of an entry of the weights of states, inputs and input changes.
     pub(super) largest: f64,
-    /// Weight W; `None` if the change of the input has no weight.
+    /// Weight W of the change of the input; `None` if the change has no weight.
     pub(super) rate: Option<[[f64; NU]; NU]>,
-    /// Rows of the gains `K_k`.
+    /// Rows of the feedback gains `K_k`.
     pub(super) k: Vec<V>,
-    /// Rows of the closed-loop matrices `Φ_k = A_k + B_k K_k`.
+    /// Rows of the closed-loop matrices `Φ_k = A_k + B_k K_k`, with the system matrices A_k and B_k and the
+    /// gains K_k.
     pub(super) phi: Vec<V>,
-    /// Factors: `Λ` below the diagonal and `D⁻¹` on the diagonal.
+    /// Factors of the input Hessians `Λ D Λᵀ`: `Λ` below the diagonal and `D⁻¹` on the diagonal.
     pub(super) ldl: Vec<[[f64; NU]; NU]>,
-    /// Columns of `P⁺` and, after a stage, of `P`.
+    /// Columns of the cost-to-go matrix: `P⁺` of the next stage and, after a stage, `P` of this stage.
     p: Vec<V>,
-    /// Columns of `P⁺ A` and `P⁺ B`.
+    /// Columns of `P⁺ A` with the cost-to-go matrix P⁺ of the next stage and the state matrix A.
     pa: Vec<V>,
+    /// Columns of `P⁺ B` with the cost-to-go matrix P⁺ of the next stage and the input matrix B.
     pb: Vec<V>,
-    /// Columns of the lower triangle of `R̃ + BᵀP⁺B`.
+    /// Columns of the lower triangle of the input Hessian `R̃ + BᵀP⁺B`, with the input weights R̃, the input
+    /// matrix B and the cost-to-go matrix P⁺ of the next stage.
     h: Vec<V>,
-    /// Rows of `Y` and of `−D⁻¹Y`.
+    /// Rows of `Y = Λ⁻¹BᵀP⁺A`, with the factor Λ of the input Hessian, the system matrices A and B, and the
+    /// cost-to-go matrix P⁺ of the next stage.
     y: Vec<V>,
+    /// Rows of `−D⁻¹Y` with the factors D of the input Hessian and `Y` of the gain.
     z: Vec<V>,
-    /// Columns of `S`.
+    /// Columns of `S`, the block of the cost-to-go matrix for the state and the previous input.
     s: Vec<V>,
     v: [[f64; NU]; NU],
     pub(super) kv: Vec<[[f64; NU]; NU]>,
-    /// Vectors `P_{k+1} c_k`, for the problem with affine dynamics.
+    /// Vectors `P_{k+1} c_k` of the cost-to-go matrices and the affine terms c_k of the dynamics.
     pub(super) pc: Vec<V>,
-    /// Vectors `S_{k+1}ᵀ c_k`, for the problem with affine dynamics.
+    /// Vectors `S_{k+1}ᵀ c_k` of the affine terms c_k of the dynamics. S is the block of the cost-to-go
+    /// matrix for the state and the previous input.
     pub(super) sc: Vec<[f64; NU]>,
 }
 
@@ -145,8 +153,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// Sets the constant weights Q, R, P and W. Only their symmetric parts are used. W = 0 means that the
-    /// change of the input has no weight.
+    /// Sets the constant weights Q of the states, R of the inputs, P of the last state and W of the input
+    /// changes. Only their symmetric parts are used. W = 0 means that the change of the input has no weight.
     pub(crate) fn set_weights(
         &mut self,
         q: &[[f64; NX]; NX],
@@ -168,7 +176,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         self.rate = rate.iter().flatten().any(|w| *w != 0.0).then_some(rate);
     }
 
-    /// Sets the dynamics of stage `k`, `x⁺ = A x + B u`.
+    /// Sets the state matrix A and the input matrix B of the dynamics `x⁺ = A x + B u` of stage `k`.
     pub(crate) fn set_stage(&mut self, k: usize, a: &[[f64; NX]; NX], b: &[[f64; NU]; NX]) {
         let x = Self::RX;
         for (row, lanes) in a.iter().zip(self.a[k * NX * x..][..NX * x].chunks_exact_mut(x)) {
@@ -185,8 +193,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// Factorizes with the diagonal terms of inputs, states and rows in `weight`. `affine` are the vectors c_k of
-    /// `x⁺ = A x + B u + c`; c_0 includes `A_0 x_0`. If `affine` is given, the solution for these vectors is prepared too.
+    /// Factorizes with the diagonal terms of inputs, states and rows in `weight`. If `affine` is given, the
+    /// solution for dynamics `x⁺ = A x + B u + c` with these affine terms c is prepared too. The first affine
+    /// term includes the contribution of the initial state.
     ///
     /// # Errors
     /// [`NotPositive`] if a pivot is not positive.
@@ -221,8 +230,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         })
     }
 
-    /// Computes the recursion without barrier terms down to P_0, so that K_0 is computed too. The result is a
-    /// linear-quadratic regulator over the horizon.
+    /// Computes the recursion without barrier terms down to the first stage, whose gain is computed too. The
+    /// result is a linear-quadratic regulator over the horizon.
     ///
     /// # Errors
     /// [`NotPositive`] if a pivot is not positive.
@@ -261,7 +270,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// Computes `P⁺c` for the linear part of the cost-to-go of `x⁺ = A x + B u + c`.
+    /// Computes `P⁺c` for dynamics `x⁺ = A x + B u + c`, with the cost-to-go matrix P⁺ of the next stage.
     #[inline(always)]
     fn stage_affine(&mut self, k: usize, c: &[V]) {
         let x = Self::RX;
@@ -284,7 +293,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// Computes `T = P⁺B (+ S⁺)` and the factors of `R̃ + BᵀP⁺B (+ …)`.
+    /// Computes `T = P⁺B (+ S⁺)` and the factors of the input Hessian `R̃ + BᵀP⁺B (+ …)`. P⁺ and S⁺ are the
+    /// blocks of the cost-to-go matrix of the next stage. The terms in parentheses appear if the change of
+    /// the input has a weight.
     #[inline(always)]
     fn stage_pivot(
         &mut self,
@@ -325,7 +336,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         Ok(())
     }
 
-    /// Computes `Y`, `−D⁻¹Y` and `K`, and also `S`, `V` and `K_v` if the change of the input has a weight.
+    /// Computes the gain `K` and its factors `Y` and `−D⁻¹Y`. If the change of the input has a weight, the
+    /// gain `K_v` of the previous input and the blocks `S` and `V` of the cost-to-go matrix follow.
     #[inline(always)]
     fn stage_gain(&mut self, k: usize, add_rows: impl FnOnce(&mut [V])) {
         let x = Self::RX;
@@ -360,7 +372,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// Computes `K_v = (Λ D Λᵀ)⁻¹ W`, `S = KᵀH_uv = −KᵀW`, `V = W − W K_v`.
+    /// Computes the gain `K_v = (Λ D Λᵀ)⁻¹ W` of the previous input, and the blocks `S = KᵀH_uv = −KᵀW` and
+    /// `V = W − W K_v` of the cost-to-go matrix. W is the weight of the change of the input.
     #[inline(always)]
     fn stage_rate(&mut self, k: usize, w: &[[f64; NU]; NU]) {
         let x = Self::RX;
@@ -391,7 +404,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// Computes `Φ = A + B K`.
+    /// Computes the closed-loop matrix `Φ = A + B K` of the system matrices A and B and the gain K.
     #[inline(always)]
     fn stage_closed_loop(&mut self, k: usize) {
         let x = Self::RX;
@@ -405,7 +418,9 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         );
     }
 
-    /// Computes `P = Q + AᵀP⁺A − YᵀD⁻¹Y`. The lower blocks are computed by products, the upper blocks by symmetry.
+    /// Computes the cost-to-go matrix `P = Q + AᵀP⁺A − YᵀD⁻¹Y` of a stage. Q are the state weights, A is the
+    /// state matrix, P⁺ is the cost-to-go matrix of the next stage, and Y and D are factors of the gain. The
+    /// lower blocks are computed by products, the upper blocks by symmetry.
     #[inline(always)]
     fn stage_cost_to_go(&mut self, k: usize, add_rows: impl FnOnce(&mut [V])) {
         let x = Self::RX;

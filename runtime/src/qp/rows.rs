@@ -26,15 +26,16 @@ pub(super) struct Limits {
     pub(super) penalty: Option<(f64, f64)>,
 }
 
-/// Matrices of the rows of nodes 0 … N.
+/// Matrices of the constraint rows of nodes 0 … N.
 #[derive(Debug, Clone)]
 pub(crate) struct Rows<V, const NX: usize, const NU: usize, const NR: usize> {
-    /// Rows of `C_k`, `NR` padded rows per node; zero for node 0, because x_0 is not a variable.
+    /// Coefficients `C_k` of the states, `NR` padded rows per node; zero for node 0, because x_0 is not a
+    /// variable.
     c: Vec<V>,
-    /// Matrices `D_k`; zero for node N.
+    /// Coefficients `D_k` of the inputs; zero for the last node.
     d: Vec<[[f64; NU]; NR]>,
     unit: Vec<[f64; NR]>,
-    /// Contribution of x_0 to the values of node 0.
+    /// Contribution of the initial state x_0 to the values of node 0.
     offset: [f64; NR],
 }
 
@@ -104,7 +105,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         self.d[k][r] == [0.0; NU] && flat(self.state_row(k, r)).iter().all(|c| *c == 0.0)
     }
 
-    /// Unit of row `r` of node `k`.
+    /// Scaling unit of row `r` of node `k`, the largest power of two that does not exceed its largest coefficient.
     #[inline(always)]
     pub(super) fn unit(&self, k: usize, r: usize) -> f64 {
         self.unit[k][r]
@@ -122,7 +123,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         start..start + Self::RR
     }
 
-    /// Sets the values of the rows at a point: `w = C x + D u` and the contribution of x_0.
+    /// Sets the values `w = C x + D u` of the rows at the states x and inputs u of a point, with the
+    /// contribution of the initial state.
     pub(super) fn evaluate(&self, z: &mut Trajectory<V>) {
         if NR > 0 {
             self.follow(z);
@@ -133,7 +135,7 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         }
     }
 
-    /// Sets the values of the rows of a step: `dw = C dx + D du`.
+    /// Sets the values of the rows of a step dx, du of states and inputs: `dw = C dx + D du`.
     pub(super) fn follow(&self, z: &mut Trajectory<V>) {
         if NR == 0 {
             return;
@@ -156,7 +158,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         })
     }
 
-    /// Converts the linear cost e of the values to costs `Cᵀe` of states and `Dᵀe` of inputs. e becomes 0.
+    /// Converts the linear cost e of the values `C x + D u` to costs `Cᵀe` of the states x and `Dᵀe` of the
+    /// inputs u. e becomes 0.
     pub(super) fn fold(&self, gradient: &mut Trajectory<V>) {
         if NR == 0 {
             return;
@@ -171,7 +174,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         })
     }
 
-    /// Adds `factor` times row `r` of node `k` to states and inputs: `(x, u) += (cᵀ, dᵀ) factor`.
+    /// Adds `factor` times row `r` of node `k`, with the coefficients c of states and d of inputs: `(x, u) +=
+    /// (cᵀ, dᵀ) factor`.
     #[inline(always)]
     fn add(&self, k: usize, r: usize, factor: f64, z: &mut Trajectory<V>) {
         if k > 0 {
@@ -208,7 +212,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         })
     }
 
-    /// Adds the contribution of x_0 to the gradient of the quadratic terms `½ ω w²`.
+    /// Adds the contribution of the initial state to the gradient of the quadratic terms `½ ω w²` of the
+    /// values w with the weights ω.
     pub(super) fn attract(&self, weight: &Trajectory<V>, gradient: &mut Trajectory<V>) {
         if NR > 0 {
             let first = self.of_node(0);
@@ -220,7 +225,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         }
     }
 
-    /// Adds `CᵀωC` of node `k` to P, which is stored in padded columns.
+    /// Adds `CᵀωC` of node `k` to the cost-to-go matrix, which is stored in padded columns. C are the
+    /// coefficients of the states, and ω are the weights of the values.
     #[inline(always)]
     pub(super) fn add_to_cost(&self, k: usize, weight: &Trajectory<V>, p: &mut [V]) {
         for r in 0..NR {
@@ -234,7 +240,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         }
     }
 
-    /// Adds `DᵀωD` of node `k` to the lower triangle of H.
+    /// Adds `DᵀωD` of node `k` to the lower triangle of the input Hessian. D are the coefficients of the
+    /// inputs, and ω are the weights of the values.
     #[inline(always)]
     pub(super) fn add_to_pivot(&self, k: usize, weight: &Trajectory<V>, h: &mut [[f64; NU]; NU]) {
         for r in 0..NR {
@@ -247,7 +254,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
         }
     }
 
-    /// Adds `DᵀωC` of node `k` to Y, which is stored in padded rows.
+    /// Adds `DᵀωC` of node `k` to the product `BᵀP⁺A`, which is stored in padded rows. C and D are the
+    /// coefficients of states and inputs, and ω are the weights of the values.
     #[inline(always)]
     pub(super) fn add_to_coupling(&self, k: usize, weight: &Trajectory<V>, y: &mut [V]) {
         for r in 0..NR {

@@ -55,7 +55,7 @@ enum Engine<const NX: usize, const NU: usize, const NR: usize> {
     Avx512(Core<Avx512, NX, NU, NR>),
 }
 
-/// Calls a function of the core for the selected instructions.
+/// Calls a function of the solver core that was compiled for the selected vector instructions.
 macro_rules! core {
     ($solver:expr, $core:ident => $call:expr) => {
         match $solver {
@@ -142,28 +142,30 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
         core!(&mut self.0, core => core.shift());
     }
 
-    /// Input `u_k` of the solution; zeros for `k ≥ N`.
+    /// Input `u_k` of the solution; zeros beyond the last stage.
     pub fn input(&self, k: usize) -> [f64; NU] {
         core!(&self.0, core => core.input(k))
     }
 
-    /// State `x_k` of the solution for `1 ≤ k ≤ N`, computed from the inputs by the dynamics; zeros for other
-    /// `k`.
+    /// State `x_k` of the solution after k of the N stages, `1 ≤ k ≤ N`, computed from the inputs by the
+    /// dynamics; zeros for other `k`.
     pub fn state(&self, k: usize) -> [f64; NX] {
         core!(&self.0, core => core.state(k))
     }
 
-    /// Multipliers `[lower, upper]` of the bounds of `u_k`, all ≥ 0; zeros for `k ≥ N`.
+    /// Multipliers `[lower, upper]` of the bounds of the input `u_k`, all ≥ 0; zeros beyond the last stage.
     pub fn input_multipliers(&self, k: usize) -> [[f64; 2]; NU] {
         core!(&self.0, core => core.input_multipliers(k))
     }
 
-    /// Multipliers `[lower, upper]` of the bounds of `x_k` for `1 ≤ k ≤ N`, all ≥ 0; zeros for other `k`.
+    /// Multipliers `[lower, upper]` of the bounds of the state `x_k` after k of the N stages, `1 ≤ k ≤ N`,
+    /// all ≥ 0; zeros for other `k`.
     pub fn state_multipliers(&self, k: usize) -> [[f64; 2]; NX] {
         core!(&self.0, core => core.state_multipliers(k))
     }
 
-    /// Multipliers `[lower, upper]` of the rows of node `k` for `0 ≤ k ≤ N`, all ≥ 0; zeros for other `k`.
+    /// Multipliers `[lower, upper]` of the rows of node `k`, `0 ≤ k ≤ N` for N stages, all ≥ 0; zeros for
+    /// other `k`.
     pub fn row_multipliers(&self, k: usize) -> [[f64; 2]; NR] {
         core!(&self.0, core => core.row_multipliers(k))
     }

@@ -45,7 +45,7 @@ pub struct KktResiduals {
     pub gap: f64,
 }
 
-/// Result of one solve.
+/// Result of one solve: status, iterations, cost and residuals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct QpReport {
     /// Status of the returned point.

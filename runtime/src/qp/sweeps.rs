@@ -7,7 +7,10 @@ use super::riccati::{MAX_LANES, Riccati};
 use super::trajectory::Trajectory;
 
 impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
-    /// Computes the minimizer `step` for the linear costs `gradient`. [`Self::factorize`] explains `affine`.
+    /// Computes the minimizer `step` for the linear costs `gradient`.
+    ///
+    /// - `affine`: affine terms c of the dynamics `x⁺ = A x + B u + c` for which the last factorization was
+    ///   prepared; `None` for c = 0
     pub(crate) fn solve(&self, gradient: &Trajectory<V>, step: &mut Trajectory<V>, affine: Option<&[V]>) {
         vectorized!(V, {
             self.backward(gradient, flat_mut(&mut step.u), affine.is_some());
@@ -15,8 +18,10 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         })
     }
 
-    /// Decrease `½ Σ wᵀ (Λ D Λᵀ)⁻¹ w` of a function by a Newton step with the last factorization. `gradient` are the
-    /// gradients with respect to inputs and states before the dynamics are eliminated. `scratch` is overwritten.
+    /// Decrease `½ Σ wᵀ (Λ D Λᵀ)⁻¹ w` of a function by a Newton step. w are the gradients of the inputs after
+    /// the dynamics are eliminated, and `Λ D Λᵀ` are the input Hessians of the last factorization. `gradient`
+    /// are the gradients with respect to inputs and states before the dynamics are eliminated. `scratch` is
+    /// overwritten.
     pub(crate) fn decrease(&self, gradient: &Trajectory<V>, scratch: &mut Trajectory<V>) -> f64 {
         vectorized!(V, { self.backward(gradient, flat_mut(&mut scratch.u), false) })
     }
@@ -75,7 +80,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         decrease
     }
 
-    /// Computes `p = g + Kᵀe + Φᵀp⁺`.
+    /// Computes the costate `p = g + Kᵀe + Φᵀp⁺` of a stage from the costate p⁺ of the next stage, the
+    /// gradient g of the states, the gain K and the closed-loop matrix Φ.
     #[inline(always)]
     fn costate(&self, k: usize, g: &[V], e: &[f64; NU], p: &mut [V; MAX_LANES]) {
         let n = Self::RX;
@@ -135,7 +141,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// Computes the states of `x⁺ = A x + B u + c` from the inputs. c_0 includes `A_0 x_0`.
+    /// Computes the states of the dynamics `x⁺ = A x + B u + c` from the inputs u, with the affine terms c.
+    /// The first affine term includes the contribution of the initial state.
     pub(crate) fn roll_out(&self, z: &mut Trajectory<V>, affine: &[V]) {
         vectorized!(V, {
             let mut state = [V::zero(); MAX_LANES];
@@ -205,7 +212,7 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         })
     }
 
-    /// The next state `A_k x_k + B_k u_k + c_k`.
+    /// The next state `A_k x_k + B_k u_k + c_k` from the state x_k and the input u_k.
     #[inline(always)]
     fn follow(&self, k: usize, state: &[V; MAX_LANES], u: &[f64; NU], affine: &[V]) -> [V; MAX_LANES] {
         let n = Self::RX;
@@ -222,8 +229,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         next
     }
 
-    /// Computes `gradient = H z + linear` with the weights H (without barrier terms). Returns
-    /// `(zᵀHz, linearᵀz)`.
+    /// Computes `gradient = H z + linear` at the inputs and states z with the weights H (without barrier
+    /// terms). Returns `(zᵀHz, linearᵀz)`.
     pub(crate) fn gradient(
         &self,
         z: &Trajectory<V>,
@@ -282,7 +289,8 @@ impl<V: Vector, const NX: usize, const NU: usize> Riccati<V, NX, NU> {
         }
     }
 
-    /// The cost `½ Σ_k Δu_kᵀ (Λ D Λᵀ)_k Δu_k` of a change Δu of the inputs from the minimum, with the last factorization.
+    /// The cost `½ Σ_k Δu_kᵀ (Λ D Λᵀ)_k Δu_k` of a change Δu of the inputs from the minimum, with the input
+    /// Hessians `Λ D Λᵀ` of the last factorization.
     pub(crate) fn input_energy(&self, u: &Trajectory<V>) -> f64 {
         let mut sum = 0.0;
         for (k, l) in self.ldl.iter().enumerate() {

@@ -82,7 +82,7 @@ impl<V: Vector> Trajectory<V> {
         })
     }
 
-    /// Input `u_k`.
+    /// Inputs `u_k` of stage k.
     #[inline(always)]
     pub(super) fn input<const NU: usize>(&self, k: usize) -> [f64; NU] {
         let mut u = [0.0; NU];
@@ -90,7 +90,7 @@ impl<V: Vector> Trajectory<V> {
         u
     }
 
-    /// State `x_{k+1}`.
+    /// State `x_{k+1}` after stage k.
     #[inline(always)]
     pub(super) fn state<const NX: usize>(&self, k: usize) -> [f64; NX] {
         let x = lanes::<V>(NX);

@@ -2,8 +2,8 @@
 
 use super::{Sample, Trajectory, TrajectoryError, require_finite};
 
-/// A motion `y(t) = y_0 + d s(t)` in which all coordinates follow one scalar motion s(t). Each coordinate has a factor
-/// in d.
+/// A motion `y(t) = y_0 + d s(t)` with the offset y_0, in which all coordinates follow one scalar motion
+/// s(t). Each coordinate has a factor in the direction d.
 ///
 /// If two axes are parallel and d = (1, −1), they turn in opposite directions, and the link after the second axis keeps its
 /// orientation. Then gravity at the second joint is almost constant. See [`Along::compensated`].

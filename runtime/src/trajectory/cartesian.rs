@@ -159,7 +159,7 @@ pub fn straight_ways(
     Ok(Sampled::new(samples, period)?)
 }
 
-/// One straight path.
+/// One straight path of the frame between two poses.
 struct Way {
     from: Vector3<f64>,
     line: Vector3<f64>,

@@ -41,7 +41,7 @@ struct Piece<const N: usize, const NY: usize> {
     length: f64,
     start: [f64; NY],
     ways: [[f64; N]; 3],
-    /// Accelerations at both ends, times T².
+    /// Accelerations at both ends, times the square of the segment's duration.
     bends: Option<[[f64; N]; 2]>,
 }
 
@@ -79,10 +79,10 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
         Self::of_pieces(robot, &times, &positions, &velocities, &|_| None)
     }
 
-    /// Motion through samples at a fixed `period` T (s), with the positions, velocities and accelerations of the samples.
-    /// If all rotations are about one axis, the motion between two samples is the polynomial of degree 5 that has these
-    /// values. For other rotations, the accelerations deviate by an amount proportional to T |ω × ω̇|, because rotations
-    /// do not commute.
+    /// Motion through samples at a fixed `period` T (s), with the positions, velocities and accelerations of
+    /// the samples. If all rotations are about one axis, the motion between two samples is the polynomial of
+    /// degree 5 that has these values. For other rotations with the angular velocity ω, the accelerations
+    /// deviate by an amount proportional to T |ω × ω̇|, because rotations do not commute.
     ///
     /// # Errors
     /// The errors of [`Self::through`].
@@ -147,8 +147,9 @@ impl<D: Dynamics<N, M, NY>, const N: usize, const M: usize, const NY: usize> Geo
         sample
     }
 
-    /// Adds one factor `⊕ β d` to the curve: `y ← y ⊕ β d`, `v ← Ad(exp(−β d)) v + β̇ d`,
-    /// `v̇ ← Ad(exp(−β d)) v̇ − β̇ [d, Ad(exp(−β d)) v] + β̈ d`.
+    /// Adds one factor `⊕ β d` with a displacement d and a polynomial β to the curve with the positions y,
+    /// velocities v and accelerations v̇: `y ← y ⊕ β d`, `v ← Ad(exp(−β d)) v + β̇ d`, `v̇ ← Ad(exp(−β d)) v̇
+    /// − β̇ [d, Ad(exp(−β d)) v] + β̈ d`.
     fn add(&self, sample: &mut Sample<N, NY>, way: &[f64; N], [value, rate, change]: [f64; 3]) {
         let d = way.map(|d| value * d);
         let (by_y, _) = self.robot.integrate_derivatives(&sample.positions, &d);

@@ -179,7 +179,7 @@ pub enum TrajectoryError {
     NotFinite {
         /// Name of the quantity.
         what: String,
-        /// Value of the number.
+        /// Value of the number that is not allowed.
         value: f64,
     },
     /// A duration, speed or other quantity is not positive.
@@ -187,7 +187,7 @@ pub enum TrajectoryError {
     NotPositive {
         /// Name of the quantity.
         what: String,
-        /// Value of the number.
+        /// Value of the number that is not allowed.
         value: f64,
     },
     /// Too few points or samples are given, or the lengths of two lists do not match.
@@ -197,7 +197,7 @@ pub enum TrajectoryError {
         what: &'static str,
         /// Necessary number of entries.
         needed: usize,
-        /// Given number of entries.
+        /// Number of entries that were given.
         given: usize,
     },
     /// A number is out of range.
@@ -205,9 +205,9 @@ pub enum TrajectoryError {
     OutOfRange {
         /// Name of the quantity.
         what: &'static str,
-        /// Value of the number.
+        /// Value of the number that is not allowed.
         value: f64,
-        /// Allowed range.
+        /// Allowed range of the number, as text.
         range: &'static str,
     },
     /// A point is outside the position limits.
@@ -222,7 +222,7 @@ pub enum TrajectoryError {
         joint: usize,
         /// Position of the joint [rad or m].
         position: f64,
-        /// Limits [rad or m].
+        /// Position limits of the joint [rad or m].
         limits: [f64; 2],
     },
     /// At a point, a joint that follows several coordinates is outside its position limits.
@@ -238,7 +238,7 @@ pub enum TrajectoryError {
         point: usize,
         /// Position of the joint [rad or m].
         position: f64,
-        /// Limits [rad or m].
+        /// Position limits of the joint [rad or m].
         limits: [f64; 2],
     },
     /// Between two points, a joint that follows several coordinates leaves its position limits.
@@ -254,7 +254,7 @@ pub enum TrajectoryError {
         point: usize,
         /// Extreme position of the joint [rad or m].
         position: f64,
-        /// Limits [rad or m].
+        /// Position limits of the joint [rad or m].
         limits: [f64; 2],
     },
     /// A joint that follows several coordinates has limits, but the motion only keeps limits of single coordinates.
@@ -308,7 +308,7 @@ pub enum TrajectoryError {
     File {
         /// Name of the file, and the row if it is known.
         place: String,
-        /// Text with the fault.
+        /// Description of the fault, as text.
         message: String,
     },
 }

@@ -65,19 +65,19 @@ struct Requests<const N: usize> {
 pub enum TargetStatus<const N: usize> {
     /// The motion leads to this target.
     Followed {
-        /// Target [rad or m].
+        /// Target position of each joint [rad or m].
         target: [f64; N],
         /// Time of arrival on the trajectory (s).
         arrival: f64,
     },
     /// The loop has not applied this target yet.
     Waiting {
-        /// Target [rad or m].
+        /// Target position of each joint [rad or m].
         target: [f64; N],
     },
     /// No motion from the current state to this target keeps the limits. The motion to the previous target continues.
     Refused {
-        /// Target [rad or m].
+        /// Target position of each joint [rad or m].
         target: [f64; N],
     },
 }

@@ -157,8 +157,9 @@ pub struct RestToRest<const N: usize> {
     duration: f64,
 }
 
-/// Largest values of s'(x) and s''(x).
+/// Largest derivative s'(x) of the profile s(x) of a motion from rest to rest, for x from 0 to 1.
 const PEAK_SPEED: f64 = 15.0 / 8.0;
+/// Largest second derivative s''(x) of the profile s(x) of a motion from rest to rest, for x from 0 to 1.
 const PEAK_ACCELERATION: f64 = 5.773_502_691_896_258; // 10/√3
 
 impl<const N: usize> RestToRest<N> {

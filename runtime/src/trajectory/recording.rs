@@ -33,7 +33,7 @@ pub struct Recording<const N: usize> {
 pub struct Inconsistency {
     /// Index of the sample before the step.
     pub sample: usize,
-    /// Time of this sample (s).
+    /// Time of the sample before the step (s).
     pub time: f64,
     /// Index of the coordinate.
     pub coordinate: usize,

@@ -65,7 +65,7 @@ impl<const N: usize> Sampled<N> {
         Self::new(samples, period)
     }
 
-    /// The samples.
+    /// The samples that the motion passes through.
     #[must_use]
     pub fn samples(&self) -> &[Sample<N>] {
         &self.samples

@@ -25,9 +25,10 @@ pub struct IdentificationSine<const N: usize> {
     pub center: [f64; N],
     /// Amplitudes â [rad or m]. A coordinate with the amplitude 0 rests at its centre.
     pub amplitude: [f64; N],
-    /// Frequencies ω_0 of the formula [rad/s].
+    /// Instantaneous frequencies ω_0 at the beginning of the sine [rad/s].
     pub first_frequency: [f64; N],
-    /// Frequencies ω_1 of the formula [rad/s].
+    /// Frequencies ω_1 [rad/s]. The instantaneous frequency at the end of the sine is 2 ω_1 − ω_0, with the
+    /// frequency ω_0 at its beginning.
     pub last_frequency: [f64; N],
     /// Duration T of the sine (s).
     pub sine_duration: f64,

@@ -10,8 +10,9 @@ use nalgebra::{Matrix3, Vector3};
 pub struct Smoothing {
     /// Time constant τ of the smoothing (s), 1 to 20 periods. Parts of the motion that are faster than τ are smoothed.
     pub time_constant: f64,
-    /// Correction time ρ (s), from τ to 1000 s. If positions contradict the velocities, the motion follows the velocities
-    /// and returns to the positions within about this time. Has no effect if the recording has no velocities.
+    /// Correction time ρ (s), from the time constant to 1000 s. If positions contradict the velocities, the
+    /// motion follows the velocities and returns to the positions within about this time. Has no effect if
+    /// the recording has no velocities.
     pub correction_time: f64,
 }
 
@@ -41,14 +42,15 @@ pub struct Smoothed<const N: usize> {
 pub struct SmoothedPoses<D, const N: usize, const M: usize, const NY: usize> {
     /// Motion from rest to rest.
     pub trajectory: GeodesicMotion<D, N, M, NY>,
-    /// Largest distance `y ⊖ p` from a recorded position p [rad or m], one entry for each velocity entry.
+    /// Largest distance `y ⊖ p` of the motion's positions y from recorded positions p [rad or m], one entry for each velocity
+    /// entry.
     pub position_deviation: [f64; N],
 }
 
 /// Largest time constant in periods. For larger time constants, rounding errors are visible in the solution.
 const MAX_PERIODS: f64 = 20.0;
 
-/// State (y, T ẏ, T² ÿ) of one coordinate at one sample.
+/// State (y, T ẏ, T² ÿ) of one coordinate y at one sample, with the period T.
 type Node = Vector3<f64>;
 
 impl<const N: usize> Recording<N> {
@@ -60,14 +62,15 @@ impl<const N: usize> Recording<N> {
     ///     Σ_k T (y(t_k) − p_k)² + τ⁶ ∫ y‴² dt                              without velocities
     /// ```
     ///
-    /// among all motions that begin at the first position, and begin and end at rest (ẏ = ÿ = 0). If the recording does not
-    /// end at rest, the motion slows down within the last τ. The result is a spline of degree five with knots at the
-    /// samples. The smoothing is a low-pass filter without delay. Its frequency response is 1/(1 + (ωτ)⁴) with velocities,
-    /// and 1/(1 + (ωτ)⁶) without velocities (Wahba, *Spline Models for Observational Data*, 1990, chapter 1).
+    /// among all motions that begin at the first position, and begin and end at rest (ẏ = ÿ = 0). If the
+    /// recording does not end at rest, the motion slows down within the last time constant τ. The result is a
+    /// spline of degree five with knots at the samples. The smoothing is a low-pass filter without delay. Its
+    /// frequency response is 1/(1 + (ωτ)⁴) with velocities, and 1/(1 + (ωτ)⁶) without velocities (Wahba,
+    /// *Spline Models for Observational Data*, 1990, chapter 1).
     ///
     /// # Errors
-    /// [`TrajectoryError::OutOfRange`] for a time constant outside 1 to 20 periods, a correction time outside
-    /// τ to 1000 s, or an overflow.
+    /// [`TrajectoryError::OutOfRange`] for a time constant outside 1 to 20 periods, a correction time that is
+    /// shorter than the time constant or above 1000 s, or an overflow.
     pub fn smoothed(&self, smoothing: &Smoothing) -> Result<Smoothed<N>, TrajectoryError> {
         let ratio = smoothing.time_constant / self.period();
         if !(1.0..=MAX_PERIODS).contains(&ratio) {
@@ -160,8 +163,8 @@ impl<const N: usize> Recording<N> {
         })
     }
 
-    /// Position, and velocity times T, of each sample of coordinate `i`. The velocity is 0 if the recording has no
-    /// velocities.
+    /// Position, and velocity times the period, of each sample of coordinate `i`. The velocity is 0 if the
+    /// recording has no velocities.
     fn coordinate(&self, i: usize) -> Vec<[f64; 2]> {
         let velocity = |k: usize| self.velocities().map_or(0.0, |v| self.period() * v[k][i]);
         let rows = self.positions().iter().enumerate();

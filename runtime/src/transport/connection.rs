@@ -34,8 +34,9 @@ pub struct Reading<const N: usize, const NY: usize = N> {
     /// Measured velocities of the coordinates at the same time [rad/s or m/s]; `None` if velocities are not measured. The
     /// loop compares the velocities with the positions, and uses them instead of differences of positions.
     pub velocities: Option<[f64; N]>,
-    /// Measured drive forces at the joints, after the gear and with the sign of B u [N m or N]; `None` if forces are not
-    /// measured. Controllers and the log use the forces, but the loop does not.
+    /// Measured drive forces at the joints, after the gear and with the sign of the joint forces B u of the
+    /// inputs u [N m or N]; `None` if forces are not measured. Controllers and the log use the forces, but
+    /// the loop does not.
     pub torques: Option<[f64; N]>,
     /// State of the brakes at the time of the measurement.
     pub brakes: Brakes,

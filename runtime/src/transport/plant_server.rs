@@ -63,9 +63,9 @@ pub enum ServerError {
     Option {
         /// Name of the option.
         option: &'static str,
-        /// Value that was given.
+        /// Value of the option that is out of range.
         value: f64,
-        /// Allowed range.
+        /// Allowed range of the option, as text.
         range: &'static str,
     },
 }

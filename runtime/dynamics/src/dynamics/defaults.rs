@@ -10,7 +10,7 @@ use super::types::{Discretization, ForceDerivativesAndMass, Linearization, Step}
 use core::cell::Cell;
 use gelenk_kernels::discrete_time;
 
-/// Computes [`Dynamics::applied_forces`] from other methods.
+/// Computes the applied forces `gravity + springs − friction`, as default of [`Dynamics::applied_forces`].
 #[inline]
 pub fn applied_forces<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -32,7 +32,8 @@ pub fn load_friction<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: us
     [0.0; N]
 }
 
-/// Computes [`Dynamics::bias_forces`] from other methods.
+/// Computes the bias forces, which are the Coriolis forces minus gravity, as default of
+/// [`Dynamics::bias_forces`].
 #[inline]
 pub fn bias_forces<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -43,7 +44,8 @@ pub fn bias_forces<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usiz
     core::array::from_fn(|i| coriolis[i] - gravity[i])
 }
 
-/// Computes [`Dynamics::equations_of_motion`] from other methods.
+/// Computes mass matrix, Coriolis forces and applied forces separately, as default of
+/// [`Dynamics::equations_of_motion`].
 #[inline]
 pub fn equations_of_motion<
     D: Dynamics<N, M, NY> + ?Sized,
@@ -58,7 +60,8 @@ pub fn equations_of_motion<
     (robot.mass_matrix(y), robot.coriolis_forces(y, v), robot.applied_forces(y, v))
 }
 
-/// Computes [`Dynamics::inverse_dynamics`] from other methods.
+/// Computes the forces `M ÿ + k − q` plus load-dependent friction from mass matrix M, Coriolis forces k and
+/// applied forces q, as default of [`Dynamics::inverse_dynamics`].
 #[inline]
 pub fn inverse_dynamics<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -74,7 +77,8 @@ pub fn inverse_dynamics<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M:
     })
 }
 
-/// Computes [`Dynamics::forward_dynamics`] from other methods.
+/// Computes the accelerations by a factorization of the mass matrix, as default of
+/// [`Dynamics::forward_dynamics`].
 #[inline]
 pub fn forward_dynamics<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -93,7 +97,8 @@ pub fn forward_dynamics<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M:
     solve_positive_definite(mass, forces)
 }
 
-/// Computes [`Dynamics::kinetic_energy`] from other methods.
+/// Computes the kinetic energy `½ vᵀ M v` from the mass matrix M and the velocities v, as default of
+/// [`Dynamics::kinetic_energy`].
 #[inline]
 pub fn kinetic_energy<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -105,7 +110,8 @@ pub fn kinetic_energy<D: Dynamics<N, M, NY> + ?Sized, const N: usize, const M: u
     0.5 * product(&momentum, v)
 }
 
-/// Computes [`Differentiable::inverse_dynamics_derivatives_and_mass_matrix`] from other methods.
+/// Computes derivatives of the inverse dynamics and the mass matrix separately, as default of
+/// [`Differentiable::inverse_dynamics_derivatives_and_mass_matrix`].
 #[inline]
 pub fn inverse_dynamics_derivatives_and_mass_matrix<
     D: Differentiable<N, M, NY> + ?Sized,
@@ -132,7 +138,8 @@ pub fn inverse_dynamics_derivatives_and_mass_matrix<
     (forces, mass)
 }
 
-/// Computes [`Differentiable::input_forces_derivatives`] from other methods.
+/// Computes the forces of the inputs and their derivatives from derivatives of the inverse dynamics, as
+/// default of [`Differentiable::input_forces_derivatives`].
 #[inline]
 pub fn input_forces_derivatives<
     D: Differentiable<N, M, NY> + ?Sized,
@@ -159,7 +166,7 @@ pub fn input_forces_derivatives<
     (input_forces, derivatives)
 }
 
-/// Computes [`Discretizable::discretize`] from other methods.
+/// Computes the zero-order hold of the linearization, as default of [`Discretizable::discretize`].
 #[inline]
 pub fn discretize<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -173,7 +180,8 @@ pub fn discretize<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M:
     if NY == N { linear.held(period) } else { linear.discretize_with(&robot.drift(v), period) }
 }
 
-/// Computes [`Discretizable::step`] from other methods. Does not compile for robots with quaternions.
+/// Computes Runge–Kutta steps of the forward dynamics, as default of [`Discretizable::step`]. Does not
+/// compile for robots with quaternions.
 #[inline]
 pub fn step<D: Discretizable<N, M, NY> + ?Sized, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -187,8 +195,8 @@ pub fn step<D: Discretizable<N, M, NY> + ?Sized, const N: usize, const M: usize,
     (*same(&y), v)
 }
 
-/// Computes [`Discretizable::step_derivatives`] from other methods. Does not compile for robots with
-/// quaternions.
+/// Computes Runge–Kutta steps with derivatives from linearizations, as default of
+/// [`Discretizable::step_derivatives`]. Does not compile for robots with quaternions.
 #[inline]
 pub fn step_derivatives<
     D: Discretizable<N, M, NY> + ?Sized,
@@ -211,7 +219,8 @@ pub fn step_derivatives<
     Step { coordinates: *same(&coordinates), velocities, state, input }
 }
 
-/// Computes [`Discretizable::midpoint_step`] from other methods.
+/// Computes a midpoint step from derivatives of the inverse dynamics, as default of
+/// [`Discretizable::midpoint_step`].
 #[inline]
 pub fn midpoint_step<
     D: Differentiable<N, M, NY> + ?Sized,
@@ -316,8 +325,8 @@ fn stepped<D: Differentiable<N, M, NY> + ?Sized, const N: usize, const M: usize,
     step
 }
 
-/// Computes [`Discretizable::step`] from `time` (s) on, for a robot with time-dependent equations. Each stage of the
-/// Runge–Kutta method uses the robot at the time of the stage.
+/// Computes Runge–Kutta steps from `time` (s) on, for a robot with time-dependent equations. Each stage of
+/// the method uses the robot at the time of the stage.
 #[inline]
 pub fn step_from<D: Discretizable<N, M>, const N: usize, const M: usize>(
     robot: &D,
@@ -333,7 +342,7 @@ pub fn step_from<D: Discretizable<N, M>, const N: usize, const M: usize>(
     discrete_time::runge_kutta(*y, *v, period, D::SUBSTEPS, acceleration)
 }
 
-/// Computes [`Discretizable::step_derivatives`] from `time` (s) on, for a robot with time-dependent equations.
+/// Computes Runge–Kutta steps with derivatives from `time` (s) on, for a robot with time-dependent equations.
 #[inline]
 pub fn step_derivatives_from<D: Discretizable<N, M>, const N: usize, const M: usize>(
     robot: &D,
@@ -373,7 +382,7 @@ impl StageTimes {
     }
 }
 
-/// Implements [`Differentiable::linearize_along`] for the type of a module.
+/// Linearizes a robot at several points, eight points at a time if the module has functions for eight states.
 #[inline]
 pub fn linearize_along<D, L, P: Copy, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
@@ -395,7 +404,7 @@ pub fn linearize_along<D, L, P: Copy, const N: usize, const M: usize, const NY: 
     }
 }
 
-/// Implements [`Differentiable::linearize_along`] by one call for each point.
+/// Linearizes a robot at several points by one call for each point.
 pub fn linearize_one_by_one<D, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
     points: &[Point<N, M, NY>],

@@ -1,7 +1,8 @@
 //! Joints that follow coordinates and driven joints, `θ = G y + G_d d + g₀`, and their limits.
 
-/// A joint with limits whose position `θ = G y + G_d d + g₀` follows coordinates y and driven joints d. Code that keeps the limits
-/// of coordinates also keeps the limits of these joints.
+/// A joint with limits whose position `θ = G y + G_d d + g₀` follows coordinates y and driven joints d, with
+/// the ratios G and G_d and the offset g₀. Code that keeps the limits of coordinates also keeps the limits of
+/// these joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DependentJoint<const N: usize> {
     /// Name of the joint.

@@ -137,8 +137,8 @@ pub struct HasDerivatives<const B: bool>;
 /// gelenk_dynamics::dynamics!(struct Arm = arm: Differentiable);
 /// ```
 ///
-/// Without `: Differentiable` the macro compiles also for this module. The lifetime has the effect that the compiler checks the
-/// bound only when the trait is used.
+/// Without `: Differentiable` in the list of traits, the macro also compiles for a module without
+/// derivatives. Because of the lifetime, the compiler checks the bound only when the trait is used.
 #[diagnostic::on_unimplemented(
     message = "the module does not have a derivative that `Differentiable` requires",
     label = "generate it with inverse_dynamics_derivatives and linearize",

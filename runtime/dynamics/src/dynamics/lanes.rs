@@ -28,7 +28,7 @@ impl Instructions {
     /// The instructions of the compilation target, which every processor of this target has.
     pub const ANY: Self = Self(0);
 
-    /// The instructions AVX2.
+    /// The instruction set AVX2.
     ///
     /// # Safety
     /// The processor must have AVX2.
@@ -37,7 +37,7 @@ impl Instructions {
         Self(1)
     }
 
-    /// The instructions AVX-512 F, BW, DQ and VL.
+    /// The instruction sets AVX-512 F, BW, DQ and VL.
     ///
     /// # Safety
     /// The processor must have these instructions.

@@ -4,7 +4,8 @@ use super::names::Named;
 use core::fmt;
 use gelenk_kernels::manifold;
 
-/// Value of `NY` for a module without this constant, in which positions and velocities have the same number of entries.
+/// Value of `NY` for a module without the constant `NY`. Its positions and velocities have the same number of
+/// entries.
 pub const NO_POSITIONS: usize = usize::MAX;
 
 /// Value of `JOINT_POSITIONS` for a module without this constant.
@@ -23,9 +24,9 @@ pub const fn positions_of(positions: usize, n: usize) -> usize {
 pub struct QuaternionJoint {
     /// Name of the joint.
     pub name: &'static str,
-    /// Index of the first position entry.
+    /// Index of the joint's first entry in the positions.
     pub position: usize,
-    /// Index of the first velocity entry.
+    /// Index of the joint's first entry in the velocities.
     pub velocity: usize,
     /// Whether the joint is floating. For a floating joint, the position in the frame of the parent precedes the quaternion, and
     /// the linear velocity precedes the angular velocity. Otherwise the joint is spherical.
@@ -77,8 +78,8 @@ pub fn plain_positions<const N: usize, const NY: usize>(
     positions
 }
 
-/// Returns the rates ẏ = T(y) v of the positions. Linear velocities are rotated to the frame of the parent. A quaternion q has the
-/// rate `q̇ = ½ q (ω, 0)` with the angular velocity ω.
+/// Returns the rates `ẏ = T(y) v` of the positions y for the velocities v. Linear velocities are rotated to
+/// the frame of the parent. A quaternion q has the rate `q̇ = ½ q (ω, 0)` with the angular velocity ω.
 ///
 /// - `joints`: joints with quaternions, in order
 pub fn position_rates<const N: usize, const NY: usize>(
@@ -222,8 +223,10 @@ pub(super) fn same<const A: usize, const B: usize>(entries: &[f64; A]) -> &[f64;
     entries.first_chunk().unwrap_or(const { &[f64::NAN; B] })
 }
 
-/// Computes the positions `y ⊕ d` after a motion from y with the constant velocities d for one second. `widths` are the numbers
-/// of position entries of the joints. If `widths` is empty, the robot has no quaternions, and the result is `y + d`.
+/// Computes the positions `y ⊕ d` after a motion from y with the constant velocities d for one second.
+///
+/// - `widths`: number of position entries of each joint. If it is empty, the robot has no quaternions, and
+///   the result is `y + d`.
 #[inline]
 pub fn integrate<const J: usize, const N: usize, const NY: usize>(
     widths: &[usize; J],
@@ -237,8 +240,9 @@ pub fn integrate<const J: usize, const N: usize, const NY: usize>(
     manifold::integrate(widths, y, d)
 }
 
-/// Computes `to ⊖ from`: the constant velocities that lead from `from` to `to` in one second. `widths` is the same as in
-/// [`integrate`].
+/// Computes `to ⊖ from`: the constant velocities that lead from `from` to `to` in one second.
+///
+/// - `widths`: number of position entries of each joint; empty for a robot without quaternions
 #[inline]
 pub fn difference<const J: usize, const N: usize, const NY: usize>(
     widths: &[usize; J],
@@ -252,8 +256,9 @@ pub fn difference<const J: usize, const N: usize, const NY: usize>(
     manifold::difference(widths, from, to)
 }
 
-/// Derivatives of `y ⊕ d` with respect to small displacements of y and with respect to d. `widths` is the same as in
-/// [`integrate`].
+/// Derivatives of `y ⊕ d` with respect to small displacements of y and with respect to d.
+///
+/// - `widths`: number of position entries of each joint; empty for a robot without quaternions
 #[inline]
 pub fn integrate_derivatives<const J: usize, const N: usize>(
     widths: &[usize; J],
@@ -262,8 +267,9 @@ pub fn integrate_derivatives<const J: usize, const N: usize>(
     if J == 0 { (diagonal(1.0), diagonal(1.0)) } else { manifold::integrate_derivatives(widths, d) }
 }
 
-/// Derivatives of `d = to ⊖ from` with respect to small displacements of `to` and of `from`. `widths` is the same as in
-/// [`integrate`].
+/// Derivatives of `d = to ⊖ from` with respect to small displacements of `to` and of `from`.
+///
+/// - `widths`: number of position entries of each joint; empty for a robot without quaternions
 #[inline]
 pub fn difference_derivatives<const J: usize, const N: usize>(
     widths: &[usize; J],
@@ -272,8 +278,10 @@ pub fn difference_derivatives<const J: usize, const N: usize>(
     if J == 0 { (diagonal(1.0), diagonal(-1.0)) } else { manifold::difference_derivatives(widths, d) }
 }
 
-/// Computes the Lie bracket `ad_a b` of the velocities a and b of each joint; 0 for joints without a quaternion. `widths` is the
-/// same as in [`integrate`].
+/// Computes the Lie bracket `ad_a b` of the velocities a and b of each joint; 0 for joints without a
+/// quaternion.
+///
+/// - `widths`: number of position entries of each joint; empty for a robot without quaternions
 #[inline]
 pub fn bracket<const J: usize, const N: usize>(widths: &[usize; J], a: &[f64; N], b: &[f64; N]) -> [f64; N] {
     if J == 0 { [0.0; N] } else { manifold::bracket(widths, a, b) }

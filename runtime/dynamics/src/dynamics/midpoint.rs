@@ -1,7 +1,8 @@
 //! Linear system of equations for a step of the implicit midpoint rule.
 
-/// Right-hand sides of the linear system. [`solve`] overwrites them by the solutions, which are the derivatives of the velocity
-/// change with respect to positions, velocities and inputs, and the velocity change due to the residual.
+/// Right-hand sides of the linear system. [`solve`] overwrites them by the solutions: the derivatives of the
+/// velocity change with respect to positions, velocities and inputs, and the velocity change due to the
+/// residual.
 pub(super) struct Columns<const N: usize, const M: usize> {
     pub by_y: [[f64; N]; N],
     pub by_v: [[f64; N]; N],
@@ -75,7 +76,7 @@ pub(super) fn solve<const N: usize, const M: usize>(matrix: &mut [[f64; N]; N], 
     }
 }
 
-/// Product `a b`.
+/// Product of the matrices a and b.
 #[inline]
 pub(super) fn times<const N: usize, const C: usize>(a: &[[f64; N]; N], b: &[[f64; C]; N]) -> [[f64; C]; N] {
     let mut result = [[0.0; C]; N];

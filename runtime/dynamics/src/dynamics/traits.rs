@@ -164,14 +164,14 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
     /// Coriolis, centrifugal and gyroscopic forces `k(y, ẏ)` [N m or N], which are on the left-hand side of the equations.
     fn coriolis_forces(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N];
 
-    /// Generalized forces of gravity [N m or N], which are a part of q.
+    /// Generalized forces of gravity [N m or N], a part of the applied forces q.
     fn gravity_forces(&self, y: &[f64; NY]) -> [f64; N];
 
-    /// Generalized forces of springs and dampers [N m or N], which are a part of q.
+    /// Generalized forces of springs and dampers [N m or N], a part of the applied forces q.
     fn spring_forces(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N];
 
-    /// Joint friction `τ(y, ẏ)` [N m or N], which is positive for a positive velocity. q contains −τ. Most friction laws only depend
-    /// on velocities.
+    /// Joint friction `τ(y, ẏ)` [N m or N], which is positive for a positive velocity. The applied forces
+    /// contain −τ. Most friction laws only depend on velocities.
     fn friction_torques(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N];
 
     /// Uncertainty of the friction, as inputs `B⁺ diag(σ)` with the pseudoinverse B⁺ of the input matrix. σ_j is the standard
@@ -182,10 +182,12 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         [[0.0; N]; M]
     }
 
-    /// Load-dependent friction `s₁(y, ẏ)`, as friction per unit of the load τ_l (no unit). The load of a joint is the force of its
-    /// drive minus all friction, `τ_l = M ÿ + k − gravity − springs`. The total friction is `τ + |τ_l| s₁`, see
-    /// [`load`](super::load) and [`under_load`](super::under_load), and the equations of motion are
-    /// `M ÿ + k = q + B u − |τ_l| s₁`. For most robots s₁ is zero.
+    /// Load-dependent friction `s₁(y, ẏ)`, as friction per unit of the load τ_l (no unit). The load of a
+    /// joint is the force of its drive minus all friction, `τ_l = M ÿ + k − gravity − springs` with the mass
+    /// matrix M and the Coriolis forces k. The total friction is `τ + |τ_l| s₁` with the other friction τ,
+    /// see [`load`](super::load) and [`under_load`](super::under_load). The equations of motion are `M ÿ + k
+    /// = q + B u − |τ_l| s₁` with the applied forces q and the forces B u of the inputs. For most robots s₁
+    /// is zero.
     fn load_friction(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
         defaults::load_friction(self, y, v)
     }
@@ -202,8 +204,8 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         either_side(self.friction_jumps(), |v| self.friction_torques(y, v))
     }
 
-    /// Load-dependent friction per unit of load just before and just after rest, `[s₁(y, 0−), s₁(y, 0+)]` of each joint. See
-    /// [`Self::friction_at_rest`].
+    /// Load-dependent friction s₁ per unit of load just before and just after rest, `[s₁(y, 0−), s₁(y, 0+)]`
+    /// of each joint. See [`Self::friction_at_rest`].
     fn load_friction_at_rest(&self, y: &[f64; NY]) -> [[f64; 2]; N] {
         either_side(self.friction_jumps(), |v| self.load_friction(y, v))
     }
@@ -232,12 +234,14 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         self.limits().at_inputs(&self.drive_matrix())
     }
 
-    /// Applied forces `q(y, ẏ) = gravity + springs − τ` [N m or N], without load-dependent friction.
+    /// Applied forces `q(y, ẏ) = gravity + springs − τ` [N m or N] with the friction τ, without
+    /// load-dependent friction.
     fn applied_forces(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
         defaults::applied_forces(self, y, v)
     }
 
-    /// Bias forces `k − gravity` [N m or N], which some libraries call nonlinear effects (`nle`).
+    /// Bias forces [N m or N]: Coriolis, centrifugal and gyroscopic forces minus gravity. Some libraries call
+    /// them nonlinear effects (`nle`).
     fn bias_forces(&self, y: &[f64; NY], v: &[f64; N]) -> [f64; N] {
         defaults::bias_forces(self, y, v)
     }
@@ -247,18 +251,20 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         defaults::equations_of_motion(self, y, v)
     }
 
-    /// Forces `M ÿ + k − q` [N m or N] that the inputs must produce at the joints, including load-dependent friction.
+    /// Forces `M ÿ + k − q` [N m or N] that the inputs must produce at the joints, including load-dependent
+    /// friction. M is the mass matrix, k are the Coriolis forces, and q are the applied forces.
     fn inverse_dynamics(&self, y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> [f64; N] {
         defaults::inverse_dynamics(self, y, v, a)
     }
 
-    /// Accelerations `ÿ = M⁻¹ (q + B u − k)` [rad/s² or m/s²]. Load-dependent friction is subtracted from q. The result is NaN if M
-    /// is not positive definite.
+    /// Accelerations `ÿ = M⁻¹ (q + B u − k)` [rad/s² or m/s²] for the inputs u and the input matrix B. The
+    /// applied forces q include load-dependent friction here, and k are the Coriolis forces. The result is
+    /// NaN if the mass matrix M is not positive definite.
     fn forward_dynamics(&self, y: &[f64; NY], v: &[f64; N], u: &[f64; M]) -> [f64; N] {
         defaults::forward_dynamics(self, y, v, u)
     }
 
-    /// Kinetic energy `½ ẏᵀ M ẏ` (J).
+    /// Kinetic energy `½ ẏᵀ M ẏ` (J) with the mass matrix M.
     fn kinetic_energy(&self, y: &[f64; NY], v: &[f64; N]) -> f64 {
         defaults::kinetic_energy(self, y, v)
     }
@@ -266,12 +272,14 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
 
 /// Analytic derivatives of the equations of motion.
 pub trait Differentiable<const N: usize, const M: usize, const NY: usize = N>: Dynamics<N, M, NY> {
-    /// Inverse dynamics, and its derivatives with respect to coordinates and velocities. Row i of a derivative belongs to force i.
-    /// The derivative with respect to accelerations is the mass matrix. With load-dependent friction, row i of this matrix is
-    /// multiplied by `1 + s₁ sign τ_l` of joint i.
+    /// Inverse dynamics, and its derivatives with respect to coordinates and velocities. Row i of a
+    /// derivative belongs to force i. The derivative with respect to accelerations is the mass matrix. With
+    /// load-dependent friction, row i of this matrix is multiplied by `1 + s₁ sign τ_l`, with the friction s₁
+    /// per unit of load and the load τ_l of joint i.
     fn inverse_dynamics_derivatives(&self, y: &[f64; NY], v: &[f64; N], a: &[f64; N]) -> ForceDerivatives<N>;
 
-    /// Inverse dynamics and its derivatives, see [`Self::inverse_dynamics_derivatives`], and also ∂forces/∂ÿ.
+    /// Inverse dynamics and its derivatives with respect to coordinates, velocities and accelerations, see
+    /// [`Self::inverse_dynamics_derivatives`].
     fn inverse_dynamics_derivatives_and_mass_matrix(
         &self,
         y: &[f64; NY],
@@ -353,8 +361,9 @@ pub trait Discretizable<const N: usize, const M: usize, const NY: usize = N>:
     /// `period / SUBSTEPS` is below 2.7. Steep friction at rest makes this rate large.
     const SUBSTEPS: usize = 1;
 
-    /// Exact zero-order hold `x⁺ = A_d x + B_d u + c_d` of the linearization at `(y, ẏ, u)`, with x = (y, ẏ). For robots with
-    /// quaternions x is (δ, v), see [`Linearization::discretize_with`].
+    /// Exact zero-order hold `x⁺ = A_d x + B_d u + c_d` of the linearization at `(y, ẏ, u)`, with x = (y, ẏ).
+    /// For robots with quaternions x is (δ, v) with a small displacement δ of the positions, see
+    /// [`Linearization::discretize_with`].
     ///
     /// The method is scaling and squaring (Higham, *Functions of Matrices*, 2008, section 10.3):
     ///

@@ -8,19 +8,21 @@ use gelenk_kernels::discrete_time;
 /// Forces of the inverse dynamics and their derivatives. Row i of a derivative belongs to force i.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceDerivatives<const N: usize> {
-    /// Forces `M ÿ + k − q` [N m or N].
+    /// Forces of the inverse dynamics, `M ÿ + k − q` [N m or N], with the mass matrix M, the Coriolis forces
+    /// k and the applied forces q.
     pub forces: [f64; N],
-    /// Derivative ∂forces/∂y.
+    /// Derivative ∂forces/∂y with respect to the coordinates y.
     pub by_coordinates: [[f64; N]; N],
-    /// Derivative ∂forces/∂ẏ.
+    /// Derivative ∂forces/∂ẏ with respect to the velocities ẏ.
     pub by_velocities: [[f64; N]; N],
 }
 
 /// Forces of the inverse dynamics, their derivatives with respect to coordinates and velocities, and ∂forces/∂ÿ.
 pub type ForceDerivativesAndMass<const N: usize> = (ForceDerivatives<N>, [[f64; N]; N]);
 
-/// Linearized forward dynamics, `ÿ = A_y y + A_v ẏ + B_x u + c`. The blocks are the lower halves of the matrices in
-/// `ẋ = A x + B_x u + c` for the state x = (y, ẏ). The upper halves are `[0 I]`, 0 and 0.
+/// Linearized forward dynamics `ÿ = A_y y + A_v ẏ + B_x u + c` with the blocks A_y, A_v and B_x and the
+/// affine term c. The blocks are the lower halves of the matrices in `ẋ = A x + B_x u + c` for the state x =
+/// (y, ẏ). The upper halves are `[0 I]`, 0 and 0.
 ///
 /// For a robot with quaternions (NY ≠ N), let ȳ and v̄ be the positions and velocities of the linearization. The derivatives are
 /// those with respect to a small displacement δ in `y = ȳ ⊕ δ`: `v̇ = A_y δ + A_v v + B_x u + c`, so `c = v̇ − A_v v̄ − B_x ū`.
@@ -29,11 +31,11 @@ pub type ForceDerivativesAndMass<const N: usize> = (ForceDerivatives<N>, [[f64; 
 /// is zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Linearization<const N: usize, const M: usize, const NY: usize = N> {
-    /// Block A_y = ∂ÿ/∂y.
+    /// Derivative ∂ÿ/∂y of the accelerations with respect to the coordinates (block A_y).
     pub by_coordinates: [[f64; N]; N],
-    /// Block A_v = ∂ÿ/∂ẏ.
+    /// Derivative ∂ÿ/∂ẏ of the accelerations with respect to the velocities (block A_v).
     pub by_velocities: [[f64; N]; N],
-    /// Block B_x = ∂ÿ/∂u.
+    /// Derivative ∂ÿ/∂u of the accelerations with respect to the inputs (block B_x).
     pub by_inputs: [[f64; M]; N],
     /// Affine term c, which is the acceleration of the linearized robot if y, ẏ and u are zero.
     pub affine: [f64; N],
@@ -88,15 +90,17 @@ impl<const N: usize, const M: usize, const NY: usize> Linearization<N, M, NY> {
     }
 }
 
-/// Discrete-time linear system `x⁺ = A_d x + B_d u + c_d` for a period with constant inputs and the state `x = (y, ẏ)`. For a robot
-/// with quaternions (NY ≠ N) the state is `x = (δ, v)`, see [`Linearization::discretize_with`].
+/// Discrete-time linear system `x⁺ = A_d x + B_d u + c_d` for a period with constant inputs u and the state
+/// `x = (y, ẏ)`. For a robot with quaternions (NY ≠ N) the state is `x = (δ, v)` with a displacement δ of the
+/// positions and the velocities v, see [`Linearization::discretize_with`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discretization<const N: usize, const M: usize, const NY: usize = N> {
-    /// Blocks of A_d: `[[∂y⁺/∂y, ∂y⁺/∂ẏ], [∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ]]`.
+    /// State matrix A_d in blocks `[[∂y⁺/∂y, ∂y⁺/∂ẏ], [∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ]]`, with positions y⁺ and velocities ẏ⁺
+    /// after the period.
     pub state: [[[[f64; N]; N]; 2]; 2],
-    /// Blocks of B_d: `[∂y⁺/∂u, ∂ẏ⁺/∂u]`.
+    /// Input matrix B_d in blocks `[∂y⁺/∂u, ∂ẏ⁺/∂u]`, with positions y⁺ and velocities ẏ⁺ after the period.
     pub input: [[[f64; M]; N]; 2],
-    /// Blocks of c_d, which are the affine terms of y⁺ and ẏ⁺.
+    /// Affine terms c_d of the positions and velocities after the period.
     pub affine: [[f64; N]; 2],
 }
 
@@ -111,8 +115,9 @@ impl<const N: usize, const M: usize, const NY: usize> Discretization<N, M, NY> {
         state.iter().chain(input).chain(affine).all(|entry| entry.is_finite())
     }
 
-    /// Displacement from ȳ and velocities after a period, for the displacement `d` and the velocities `v` before the period. For
-    /// robots without quaternions the displacements are the coordinates.
+    /// Displacement from the positions of the linearization and velocities after a period, for the
+    /// displacement `d` and the velocities `v` before the period. For robots without quaternions the
+    /// displacements are the coordinates.
     #[must_use]
     pub fn displaced(&self, d: &[f64; N], v: &[f64; N], u: &[f64; M]) -> ([f64; N], [f64; N]) {
         let half = |h: usize| {
@@ -143,9 +148,11 @@ pub struct Step<const N: usize, const M: usize, const NY: usize = N> {
     pub coordinates: [f64; NY],
     /// Velocities ẏ⁺ after the step.
     pub velocities: [f64; N],
-    /// Derivatives with respect to the state: `[[∂y⁺/∂y, ∂y⁺/∂ẏ], [∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ]]`.
+    /// Derivatives of the positions y⁺ and velocities ẏ⁺ after the step with respect to the state: `[[∂y⁺/∂y,
+    /// ∂y⁺/∂ẏ], [∂ẏ⁺/∂y, ∂ẏ⁺/∂ẏ]]`.
     pub state: [[[[f64; N]; N]; 2]; 2],
-    /// Derivatives with respect to the inputs: `[∂y⁺/∂u, ∂ẏ⁺/∂u]`.
+    /// Derivatives of the positions y⁺ and velocities ẏ⁺ after the step with respect to the inputs: `[∂y⁺/∂u,
+    /// ∂ẏ⁺/∂u]`.
     pub input: [[[f64; M]; N]; 2],
 }
 
@@ -267,7 +274,7 @@ fn smaller(a: f64, b: f64) -> f64 {
 
 /// Conversion from the results `T` of a function of a module.
 pub trait OfResults<T> {
-    /// Converts the results.
+    /// Converts the results of a generated function.
     fn of(results: T) -> Self;
 }
 

@@ -22,7 +22,8 @@ const BEYOND: Rule = Rule::note("beyond-limits");
 /// Fixture: `degrees` in `codegen/tests/findings/arm.rs`.
 const FAR_BEYOND: Rule = Rule::error("far-beyond-limits");
 
-/// Units in which columns may be recorded. The names are those of `--columns`.
+/// Units of angles, other than rad, in which columns may be recorded. The names are those of the option
+/// `--columns`.
 const ANGLES: &[&str] = &["deg", "mrad"];
 const LENGTHS: &[&str] = &["cm", "mm", "um"];
 const TORQUES: &[&str] = &["Ncm", "mNm"];
@@ -44,17 +45,17 @@ pub(crate) fn beyond(robot: &dyn Robot, recording: &Recording, prepared: &[Prepa
     own.chain(robot.followers().iter().flat_map(|joint| log.follower(joint))).collect()
 }
 
-/// Values of a joint with their limits.
+/// Values of a joint (positions, speeds or efforts) with their limits.
 #[derive(Default)]
 struct Range<'a> {
     joint: &'a str,
-    /// Values of each run.
+    /// Values of the checked quantity, `[run][sample]`.
     values: Vec<Vec<f64>>,
-    /// Name of the quantity, and the column of its values.
+    /// Name of the checked quantity (position, speed or effort) and of its column, for messages.
     what: String,
     unit: String,
     limits: [f64; 2],
-    /// Amount by which values may exceed a limit without a finding.
+    /// Amount by which values may exceed a limit without a finding, in the unit of the values.
     tolerance: f64,
     /// Ratio of a value to its limit from which the finding is an error.
     far: f64,
@@ -266,7 +267,7 @@ impl Range<'static> {
         Self { limits, tolerance, far: levels::FAR_AWAY.get(), ..Self::default() }
     }
 
-    /// Returns the range of values whose magnitude has a limit.
+    /// Returns the range from `-limit` to `limit`, for quantities whose magnitude has a limit.
     fn within(limit: f64) -> Self {
         let tolerance = levels::ROUNDED.get() * limit;
         Self { limits: [-limit, limit], tolerance, far: levels::FAR.get(), ..Self::default() }

@@ -81,8 +81,8 @@ impl Written<'_> {
         Ok(self.filter.apply(&sharp).into_iter().map(|torque| torque + level).collect())
     }
 
-    /// Determines the constant of a law, predicts the joint's force in the fitted runs, and sets the statistics of the
-    /// joint's fit to those of this prediction.
+    /// Determines the constant of a law, and predicts the joint's force in the fitted runs. The statistics of
+    /// the joint's fit become those of this prediction.
     ///
     /// # Errors
     /// The errors are those of [`Self::friction`].
@@ -176,7 +176,7 @@ impl Written<'_> {
     }
 }
 
-/// Returns the mean error of each recording. All parts of a recording have the same offset.
+/// Returns the mean prediction error of each recording. All parts of a recording have the same offset.
 fn by_recording(runs: &[PreparedRun], errors: &[Vec<f64>]) -> Vec<f64> {
     let mut all: Vec<(&str, Vec<f64>)> = Vec::new();
     for (run, errors) in runs.iter().zip(errors).filter(|(_, errors)| !errors.is_empty()) {

@@ -27,7 +27,7 @@ const DOES_NOT_MOVE: Rule = Rule::warning("does-not-move");
 /// Fixture: `estimation/tests/simulated.rs`.
 const ACCELERATION: Rule = Rule::warning("residual-follows-acceleration");
 
-/// Inputs of the checks.
+/// Fit whose residuals are checked.
 pub(super) struct Checked<'a> {
     pub(super) task: &'a Task<'a>,
     pub(super) forces: &'a Forces,
@@ -53,7 +53,7 @@ impl Checked<'_> {
         (0..self.task.layout.joints).flat_map(of).collect()
     }
 
-    /// Doubts about one joint.
+    /// Findings that raise doubts about the fit of one joint.
     pub(super) fn joint(&self, joint: usize) -> Vec<Finding> {
         let doubts = [unit_doubt(self.sizes(joint)), self.acceleration(joint)].into_iter().flatten();
         doubts.map(|doubt| doubt.of(self.task.robot.subject(joint))).collect()

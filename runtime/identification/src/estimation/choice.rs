@@ -30,7 +30,7 @@ pub(super) struct Chosen<'a> {
     pub(super) centred: Centred<'a>,
 }
 
-/// Quantities that the choice may vary.
+/// Parts of the model that the choice may change.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Freedom<'a> {
     pub(super) offsets: Option<Offsets>,
@@ -105,7 +105,7 @@ impl Chosen<'_> {
         self.error(&self.model, prior)
     }
 
-    /// The fit of the choice to all data.
+    /// Fits the chosen model to all data.
     pub(super) fn solved(&self, prior: &Prior) -> Result<Solved> {
         fit(&self.centred, &self.centred.all, &self.model, prior, &self.weighting, &self.values)
     }
@@ -222,7 +222,7 @@ impl Chosen<'_> {
 }
 
 impl<'a> Chosen<'a> {
-    /// The same choice of the model, fitted to other sums with new weights.
+    /// Fits the chosen model, with new weights, to other sums of products.
     pub(super) fn with_sums<'b>(&self, sums: &'b Sums, prior: &Prior) -> Result<Chosen<'b>>
     where
         'a: 'b,
@@ -232,7 +232,7 @@ impl<'a> Chosen<'a> {
         Ok(other)
     }
 
-    /// The same choice and weights for other sums, not fitted yet.
+    /// Uses the chosen model and its weights for other sums of products, without a fit.
     pub(super) fn over<'b>(&self, sums: &'b Sums) -> Chosen<'b>
     where
         'a: 'b,
@@ -240,7 +240,7 @@ impl<'a> Chosen<'a> {
         self.with_more(self.centred.layout, sums, 1.0)
     }
 
-    /// The same choice with more inertial parameters, not fitted yet.
+    /// Adds inertial parameters to the chosen model, without a fit.
     ///
     /// - `trust`: factor of the weight that holds each additional parameter at zero
     pub(super) fn with_more<'b>(&self, layout: &'b Layout, sums: &'b Sums, trust: f64) -> Chosen<'b> {
@@ -264,9 +264,9 @@ impl<'a> Chosen<'a> {
         self.centred = Centred::new(layout, sums, self.model.offsets, zeros);
     }
 
-    /// Allows a joint a larger standard deviation of its offsets if this lowers the held-out error by more than one standard
-    /// error. Several runs are necessary, because in a part of a single run in which the joint moves in one direction, an
-    /// offset cannot be distinguished from friction.
+    /// Allows a joint a larger standard deviation of its offsets if this lowers the held-out error by more
+    /// than one standard error. Several runs are necessary: a fold of a single run may contain motion in one
+    /// direction only, in which an offset cannot be distinguished from friction.
     fn choose_spreads(&mut self, layout: &'a Layout, sums: &'a Sums, prior: &Prior) -> Result<()> {
         let mut best = self.held_out(prior)?;
         for joint in layout.rubbing() {

@@ -22,6 +22,8 @@ pub(super) struct FirstFit {
 }
 
 impl FirstFit {
+    /// Rates of the efforts and runs without the delays that the first fit estimated.
+    ///
     /// - `values`, `forces`: results of the first fit
     pub(super) fn new(layout: &Layout, runs: &[PreparedRun], values: &Values, forces: &Forces) -> Self {
         let left = |number: usize| values.unknowns[layout.delay(number)];

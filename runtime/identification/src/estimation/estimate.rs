@@ -145,7 +145,7 @@ fn estimate_of(
     pass(robot, runs, settings, (&layout, None), progress).map(|(found, _)| found)
 }
 
-/// The estimate with load-dependent friction.
+/// Repeats the estimate until the coefficients of load-dependent friction settle.
 fn under_load(
     robot: &dyn Robot,
     runs: &[PreparedRun],
@@ -175,7 +175,8 @@ fn under_load(
     Ok(found)
 }
 
-/// The estimate with given loads, and the factors k of the Coulomb terms tanh(k v).
+/// One estimate with given loads of the gears. Also returns the factor k of each joint's Coulomb term tanh(k
+/// v), with the velocity v.
 fn pass(
     robot: &dyn Robot,
     runs: &[PreparedRun],
@@ -223,19 +224,20 @@ fn pass(
     Ok((task.finish(&first, &chosen, &outlier, progress)?, steepness))
 }
 
-/// Values, offsets and robust deviations, which determine the weights of the samples.
+/// Values of the unknowns, offsets, and robust deviations of the residuals. They determine the weights of the
+/// samples.
 type Robust<'a> = (&'a Values, &'a RunOffsets, &'a [f64]);
 
 impl Task<'_> {
-    /// Sums over the samples in which the joints move. If gains are estimated, there are also sums without the samples near
-    /// stops.
+    /// Sums of products over the samples in which the joints move. If gains are estimated, there are also
+    /// sums without the samples near stops.
     pub(super) fn sums(&self, robust: Option<Robust>) -> Sums {
         let away = self.layout.known_gains.contains(&false).then(|| runs_away_from_stops(self)).flatten();
         let away = away.map(|runs| Box::new(Task { runs: &runs, ..self.clone() }.weighted(robust)));
         Sums { away, ..self.weighted(robust) }
     }
 
-    /// Sums over the samples in which the joints move.
+    /// Weighted sums of products over the samples in which the joints move.
     pub(super) fn weighted(&self, robust: Option<Robust>) -> Sums {
         let factors: Vec<DVector<f64>> = robust.map_or(Vec::new(), |(values, ..)| {
             (0..self.layout.joints).map(|j| residual_vector(self.layout, values, j)).collect()
@@ -284,9 +286,9 @@ impl Task<'_> {
         Some((0..self.layout.joints).map(share).collect())
     }
 
-    /// The task with the kind of gravity compensation that explains the data better, and its sums. The comparison uses one
-    /// offset for all runs unless the settings give another kind, because offsets of single runs would explain the weight that
-    /// is not compensated.
+    /// The task with the kind of gravity compensation that explains the data better, and its sums of
+    /// products. The comparison uses one offset for all runs unless the settings give another kind. Offsets
+    /// of single runs would explain the weight that is not compensated.
     fn with_its_compensation(self, progress: &mut dyn FnMut(&str)) -> Result<(Self, Sums)> {
         let sums = self.sums(None);
         if self.gravity != Gravity::Compensated {
@@ -387,15 +389,16 @@ impl Task<'_> {
         Ok(report.estimate(doubts.into_iter().map(Finding::accepted).collect()))
     }
 
-    /// Doubts about the fit.
+    /// Findings that raise doubts about the fit, from other explanations of the data and from checks of the
+    /// residuals.
     ///
     /// - `judged`: fit to the sums of moving samples, and its held-out errors
     /// - `held_out`: R² of each joint on held-out data
     /// - `forces`: forces of the last fit, with the correlation time of the residuals
     ///
     /// # Errors
-    /// [`IdentificationError::Found`] if another explanation is clearly better or if the unit is wrong for the whole robot,
-    /// or if the fit explains too little.
+    /// [`IdentificationError::Found`] if another explanation is clearly better, if the unit is wrong for the
+    /// whole robot, or if the fit explains too little.
     fn doubts(
         &self,
         judged: (&Chosen, &HeldOut),
@@ -447,7 +450,7 @@ impl Task<'_> {
     }
 }
 
-/// Offsets of each joint and run for given values.
+/// Offsets of each joint's force in each run, for given values of the unknowns.
 fn offsets_of(centred: &Centred, values: &Values) -> RunOffsets {
     (0..centred.layout.joints).map(|j| centred.offsets(values, j)).collect()
 }
@@ -457,7 +460,8 @@ impl Chosen<'_> {
         offsets_of(&self.centred, &self.values)
     }
 
-    /// R² of each joint for given residual sums of squares, centred over the runs that share an offset.
+    /// R² of each joint from its residual sum of squares. The total sum of squares is centred over the runs
+    /// that share an offset.
     pub(super) fn centred_r_squared(&self, rss: &[f64]) -> Vec<f64> {
         let share = |(joint, rss): (usize, &f64)| {
             let variation = self.centred.variation(joint);

@@ -287,7 +287,7 @@ impl Estimated<'_> {
         smooth_sign(self.layout.steepness[joint][self.chosen.model.coulomb[joint]])
     }
 
-    /// Motor constant K_M. The interval is computed for its logarithm.
+    /// Motor constant K_M of a joint's drive. The interval is computed for the logarithm of K_M.
     fn gain(&self, joint: usize) -> Uncertain {
         let value = self.solved.values.gains[joint];
         let error = self.chosen.log_gains[(joint, joint)].max(0.0).sqrt();

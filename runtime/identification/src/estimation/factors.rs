@@ -1,5 +1,5 @@
-//! Test whether the effort of one joint has a wrong factor, for example because of another unit, gear or sensor than
-//! described, or because the effort is a percentage of a rated torque.
+//! Test whether the effort of one joint has a wrong factor. Possible reasons are a unit, gear or sensor that
+//! differs from the description, or an effort in percent of a rated torque.
 //!
 //! A body loads several joints, so the efforts of the other joints determine the factor of one joint. Forces that act on a
 //! single joint, for example its friction, do not determine the factor.
@@ -20,8 +20,9 @@ pub(super) const OTHER_FACTOR: Rule = Rule::error("other-factor");
 
 /// Factors that are tried first.
 const TRIED: [f64; 12] = [0.05, 0.1, 0.2, 0.33, 0.5, 0.7, 1.4, 2.0, 3.0, 5.0, 10.0, 20.0];
-/// Factor of one refinement step around the best candidate, and number of steps to each side.
+/// Ratio of neighbouring factors in the refinement around the best candidate.
 const FINE: f64 = 1.05;
+/// Number of factors on each side of the best candidate in the refinement.
 const STEPS: i32 = 8;
 
 /// Whether the fit explains the effort of every joint sufficiently.
@@ -47,7 +48,7 @@ pub(super) fn factors(case: &Case) -> Result<Vec<Change>> {
     Ok(found)
 }
 
-/// The factor of a joint's effort with the least held-out error, and this error.
+/// The factor of a joint's effort with the least held-out error, and the least error.
 fn best(case: &Case, joint: usize, factors: impl Iterator<Item = f64>) -> Result<(f64, f64)> {
     let mut best = (1.0, f64::INFINITY);
     for factor in factors {

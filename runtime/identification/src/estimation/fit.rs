@@ -9,13 +9,14 @@ use super::normal::{Centred, Model, Values, assemble, regularized, solve};
 use super::prior::Prior;
 use nalgebra::{DMatrix, DVector};
 
-/// Largest number of iterations of the joints' variances. A few iterations are usually enough.
+/// Largest number of repetitions of the fit that update the variances of the joints' residuals. A few
+/// repetitions are usually enough.
 const ROUNDS: usize = 8;
 
-/// Weights of the fit.
+/// Weights of the joints' equations and of the description in the fit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Weighting {
-    /// Standard deviation of each joint's residual, in units of the measured effort times B.
+    /// Standard deviation of each joint's residual, in units of the measured effort times the input matrix B.
     pub(super) sigma: Vec<f64>,
     /// Weight λ of the distance from the description.
     pub(super) description: f64,
@@ -24,8 +25,8 @@ pub(super) struct Weighting {
 }
 
 impl Weighting {
-    /// `Λ = λ √t R √t` over the active unknowns, with the metric R of the description and the factors t of [`Self::trust`];
-    /// zero for unknowns that are not inertial parameters.
+    /// Metric `Λ = λ √t R √t` over the active unknowns, with the weight λ of the description, its metric R
+    /// and the factors t of [`Self::trust`]; zero for unknowns that are not inertial parameters.
     pub(super) fn metric(&self, prior: &Prior, active: &[usize]) -> DMatrix<f64> {
         let p = prior.held.len();
         let entry = |i: usize, k: usize| {
@@ -38,15 +39,17 @@ impl Weighting {
     }
 }
 
-/// Errors on held-out data.
+/// Errors of a fit on held-out data, for each fold and for each joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct HeldOut {
-    /// Sum over joints of RSS / σ², for each fold.
+    /// Sum of RSS / σ² over the joints, for each fold, with the residual sum of squares RSS and the variance
+    /// σ² of a joint's residual.
     pub(super) scores: Vec<f64>,
     /// RSS (residual sum of squares) of each joint over all folds.
     pub(super) rss: Vec<f64>,
-    /// Weighted squared distance of friction and offsets from the description in units of the scores, averaged over the fits
-    /// of the folds.
+    /// Weighted squared distance of friction and offsets from the description, in units of RSS / σ² and
+    /// averaged over the fits of the folds. RSS is the residual sum of squares, and σ² is the variance of the
+    /// residual.
     pub(super) distance: f64,
     /// For each fold, the values that were fitted to the other folds.
     pub(super) values: Vec<Values>,
@@ -57,8 +60,9 @@ impl HeldOut {
         self.scores.iter().sum()
     }
 
-    /// Difference of the scores as in [`Self::excess`], plus the difference of the distances from the description. Because of
-    /// the second part, a quantity that the data do not determine stays as described.
+    /// Held-out error of `self` minus that of `other` ([`Self::excess`]), including the distances of friction
+    /// and offsets from the description, and its standard error. Because of these distances, a quantity that
+    /// the data do not determine stays as described.
     pub(super) fn excess_of_choice(&self, other: &Self) -> (f64, f64) {
         let (excess, deviation) = self.excess(other);
         (excess + self.distance - other.distance, deviation)
@@ -90,7 +94,8 @@ impl HeldOut {
         self.rss.iter().zip(&other.rss).any(|(own, other)| *other > (1.0 + levels::CLEARLY.get()) * own)
     }
 
-    /// Sum over the folds of the differences of the scores from `other`, and the standard error of this sum.
+    /// Sum over the folds of the held-out error of `self` minus that of `other`, and the standard error of
+    /// this sum.
     pub(super) fn excess(&self, other: &Self) -> (f64, f64) {
         let differences: Vec<f64> = self.scores.iter().zip(&other.scores).map(|(a, b)| a - b).collect();
         let n = differences.len() as f64;
@@ -104,9 +109,9 @@ impl HeldOut {
 pub(super) struct Solved {
     pub(super) values: Values,
     pub(super) active: Vec<usize>,
-    /// `H + Λ`: Hessian plus metric.
+    /// Hessian H of the sum of squares plus the metric Λ of the description.
     pub(super) regularized: DMatrix<f64>,
-    /// Λ: weights of described bodies and friction.
+    /// Metric Λ with the weights of the described bodies and of friction.
     pub(super) metric: DMatrix<f64>,
     /// The described values of the active unknowns.
     pub(super) mean: DVector<f64>,

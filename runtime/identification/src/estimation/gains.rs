@@ -33,9 +33,11 @@ use nalgebra::{DMatrix, DVector};
 /// Smallest usable share of the squared described force that friction and inertia do not explain. A smaller share is due to
 /// rounding.
 const LEAST: f64 = 1e-6;
-/// Longest step of ln K, largest number of steps, and step below which the iteration has settled.
+/// Longest step of the logarithm of a gain.
 const STEP: f64 = 1.0;
+/// Largest number of steps of the iteration for the gains.
 const STEPS: u32 = 200;
+/// Step of the logarithms of the gains below which the iteration has settled.
 const SETTLED: f64 = 1e-4;
 
 /// Gains of the drives of all joints, with their covariance.
@@ -74,15 +76,18 @@ pub(super) fn gains(centred: &Centred, prior: &Prior) -> Result<Gains> {
 struct Projection {
     /// Inverse of the factor's absolute value, with the sign of the gain.
     gain: f64,
-    /// Influence on ln K of the bodies, in coordinates in which the bodies are independent with variance one, and of each
-    /// fold. The vector has a single entry if the gain is unknown.
+    /// Influence on ln K, with the gain K, of the errors of the described bodies and of each fold. The errors
+    /// of the bodies are in coordinates in which they are independent with variance one. A single entry means
+    /// that the gain is unknown.
     influence: DVector<f64>,
 }
 
 impl Projection {
-    /// - `root`: L⁻¹ of the metric `M = L Lᵀ`, with zeros for held parameters
-    /// - `all`: products of the joint
-    /// - `without`: products of the joint without each fold
+    /// The gain of a joint, from the sums of products of its columns.
+    ///
+    /// - `root`: L⁻¹ of the bodies' metric `M = L Lᵀ`, with zeros for held parameters
+    /// - `all`: sums of products of the joint's columns
+    /// - `without`: the same sums without each fold
     fn new(
         layout: &Layout,
         root: &DMatrix<f64>,
@@ -126,7 +131,7 @@ impl Projection {
     }
 }
 
-/// Products of a joint without the part that friction and the inertia of the drive explain.
+/// Sums of products of a joint's columns without the part that friction and the inertia of the drive explain.
 fn without_friction(layout: &Layout, products: &DMatrix<f64>, joint: usize) -> DMatrix<f64> {
     let places: Vec<usize> = terms(layout, joint).map(|term| layout.first_term(joint) + term).collect();
     let rows = products.select_rows(&places);
@@ -159,19 +164,22 @@ fn sign(layout: &Layout, products: &DMatrix<f64>, joint: usize) -> f64 {
 /// The equations of all joints for the logarithms of the gains.
 struct Equations<'a> {
     centred: &'a Centred<'a>,
-    /// Products of each joint, for all data and without each fold.
+    /// Sums of products of each joint's columns, for all data.
     all: Vec<DMatrix<f64>>,
+    /// Sums of products of each joint's columns, without each fold.
     without: Vec<Vec<DMatrix<f64>>>,
     /// For each joint, the number of correlated samples that count as one independent sample.
     times: Vec<f64>,
-    /// Joints with unknown gains, their gains according to [`Projection`] (`first`), and the inverse of the covariance of the
-    /// logarithms of these gains (`precision`).
+    /// Indices of the joints with unknown gains.
     joints: &'a [usize],
+    /// First values of the unknown gains, according to [`Projection`].
     first: Vec<f64>,
+    /// Inverse of the covariance of the logarithms of the first gains.
     precision: DMatrix<f64>,
     active: Vec<usize>,
-    /// Number of inertial parameters among the active unknowns, and their metric.
+    /// Number of inertial parameters among the active unknowns.
     bodies: usize,
+    /// Metric of the inertial parameters among the active unknowns.
     metric: DMatrix<f64>,
 }
 
@@ -180,11 +188,13 @@ struct At {
     values: Values,
     /// Weights of the joints' equations in units of force.
     weights: Vec<f64>,
-    /// Negative logarithm of the likelihood, its negative gradient with respect to ln K, and its curvature.
+    /// Negative logarithm of the likelihood.
     objective: f64,
+    /// Negative gradient of the objective with respect to the logarithms of the gains.
     score: DVector<f64>,
+    /// Curvature of the objective with respect to the logarithms of the gains.
     curvature: DMatrix<f64>,
-    /// Derivatives of the active unknowns with respect to ln K of each unknown gain.
+    /// Derivatives of the active unknowns with respect to ln K, for each unknown gain K.
     slopes: DMatrix<f64>,
 }
 
@@ -266,6 +276,8 @@ impl<'a> Equations<'a> {
         gains
     }
 
+    /// Solution for given gains, with the objective and its derivatives.
+    ///
     /// - `sigma`: standard deviations of the joints' residuals in units of their efforts
     /// - `logs`: logarithms of the gains divided by their first values
     fn at(&self, sigma: &[f64], logs: &DVector<f64>) -> Result<At> {
@@ -305,7 +317,7 @@ impl<'a> Equations<'a> {
         selection((self.centred.layout, joint, gains[joint]), &self.active)
     }
 
-    /// Force of a joint without its delay, as factors of the columns of its sums.
+    /// Force of a joint without the columns of delays, as factors of the columns of its sums.
     fn force(&self, values: &Values, joint: usize) -> DVector<f64> {
         let layout = self.centred.layout;
         let mut force = force_vector(layout, values, joint);
@@ -314,8 +326,9 @@ impl<'a> Equations<'a> {
         force
     }
 
-    /// Covariance of the logarithms of the gains: `C⁻¹ (S + P) C⁻¹` with the curvature C, the precision P of the
-    /// projections, and the variance S of the score between the folds.
+    /// Covariance of the logarithms of the gains: `C⁻¹ (S + P) C⁻¹`. C is the curvature of the objective, P
+    /// is the precision of the first gains ([`Projection`]), and S is the variance of the gradient between
+    /// the folds.
     fn covariance(&self, at: &At) -> Result<DMatrix<f64>> {
         let folds = self.without.len();
         let mut scores = DMatrix::zeros(self.joints.len(), folds);
@@ -344,8 +357,9 @@ fn without_negative(matrix: DMatrix<f64>) -> DMatrix<f64> {
     &eigen.eigenvectors * values * eigen.eigenvectors.transpose()
 }
 
-/// Products of all joints, for all data and without each fold. If there are enough samples away from the stops of a joint,
-/// only these are used, because dry friction jumps at stops and no smooth term has this jump.
+/// Sums of products of all joints' columns, for all data and without each fold. If there are enough samples
+/// away from the stops of a joint, only these are used. Dry friction jumps at stops, and no smooth term has
+/// this jump.
 fn away_from_stops(centred: &Centred) -> (Vec<DMatrix<f64>>, Vec<Vec<DMatrix<f64>>>) {
     let (mut all, mut without) = (centred.all.clone(), centred.without.clone());
     let Some(away) = &centred.sums.away else { return (all, without) };

@@ -51,7 +51,7 @@ const DELAY: Rule = Rule::warning("other-delay");
 /// Fixture: `friction_under_load_is_identified_where_it_is_asked_for` in `codegen/tests/command_line/identify.rs`.
 const UNDER_LOAD: Rule = Rule::warning("friction-under-load");
 
-/// Entries of a row that most hypotheses have.
+/// Hypothesis with the entries that most rows of the table share.
 const USUAL: Hypothesis = Hypothesis {
     rule: OTHER_SIGN,
     when: |_, _| true,

@@ -23,7 +23,7 @@ use super::result::Offsets;
 use super::rows::Rows;
 use nalgebra::{DMatrix, DVector};
 
-/// Scores of the blocks in the order of time, run after run.
+/// Scores of the blocks (gradients of the objective), in the order of time, run after run.
 pub(super) struct Scores {
     blocks: Vec<DVector<f64>>,
     samples: usize,
@@ -33,7 +33,7 @@ pub(super) struct Scores {
     are_groups: bool,
 }
 
-/// A fit as the input of the scores.
+/// A fit whose scores (gradients of the objective) are computed.
 pub(super) struct Fitted<'a> {
     pub(super) chosen: &'a Chosen<'a>,
     pub(super) solved: &'a Solved,
@@ -43,8 +43,8 @@ pub(super) struct Fitted<'a> {
     pub(super) outlier: &'a [f64],
 }
 
-/// Integrated autocorrelation time of a series [samples], `1 + 2 Σ ρ`. The sum has a window of five times the result (Sokal
-/// 1997).
+/// Integrated autocorrelation time of a series in samples, `1 + 2 Σ ρ` with the autocorrelations ρ. The sum
+/// has a window of five times the result (Sokal 1997).
 pub(crate) fn correlation_time(series: &[&[f64]]) -> f64 {
     let count: usize = series.iter().map(|s| s.len()).sum();
     let mean = series.iter().flat_map(|s| s.iter()).sum::<f64>() / count.max(1) as f64;
@@ -65,7 +65,7 @@ pub(crate) fn correlation_time(series: &[&[f64]]) -> f64 {
     time
 }
 
-/// The scores of the blocks, in one pass along the runs.
+/// Computes the scores of the blocks (gradients of the objective) in one pass along the runs.
 pub(super) fn scores(
     rows: &mut Rows,
     layout: &Layout,
@@ -146,7 +146,8 @@ pub(super) fn column_means(centred: &Centred, joint: usize, runs: usize) -> Vec<
     }
 }
 
-/// Covariance of the score that is due to errors of described bodies, friction and offsets.
+/// Covariance of the score (the gradient of the objective) that is due to errors of described bodies,
+/// friction and offsets.
 ///
 /// - `spread`: ω², the variance factor of the errors of described bodies
 pub(super) fn described(of: &Fitted, prior: &Prior, spread: f64) -> DMatrix<f64> {
@@ -185,9 +186,9 @@ pub(super) fn offset_errors(of: &Fitted, prior: &Prior, covariance: &Covariance,
 }
 
 impl Scores {
-    /// The scores of the folds if there are no samples but only sums. Each fold is a group of distant blocks and independent
-    /// of the other folds (random groups; Wolter 2007, chapter 2). One degree of freedom is lost because the sum of the
-    /// scores is nearly zero.
+    /// The scores (gradients of the objective) of the folds if there are no samples but only sums. Each fold
+    /// is a group of distant blocks and independent of the other folds (random groups; Wolter 2007, chapter
+    /// 2). One degree of freedom is lost because the sum of the scores is nearly zero.
     pub(super) fn of_folds(of: &Fitted, time: f64) -> Self {
         let layout = of.chosen.centred.layout;
         let folds = &of.chosen.centred.sums.folds;
@@ -212,7 +213,7 @@ impl Scores {
         }
     }
 
-    /// Degrees of freedom of the variance.
+    /// Degrees of freedom of the score's variance.
     fn freedom(&self) -> usize {
         if self.are_groups {
             return self.blocks.len().saturating_sub(1).max(1);
@@ -233,9 +234,10 @@ impl Scores {
 /// Covariance of the active unknowns, with the degrees of freedom.
 pub(super) struct Covariance {
     pub(super) matrix: DMatrix<f64>,
-    /// Effective number of inertial parameters that the data determine: `tr(A⁻¹ H)` over these parameters.
+    /// Effective number of inertial parameters that the data determine: the trace of `(H + Λ)⁻¹ H` over these
+    /// parameters, with the Hessian H and the metric Λ of the description.
     pub(super) decided: f64,
-    /// Degrees of freedom of the matrix.
+    /// Degrees of freedom of the covariance, for Student's t distribution.
     pub(super) freedom: usize,
 }
 

@@ -12,7 +12,7 @@ use super::levels;
 /// Prior of the friction and the offset of one joint, with standard deviations.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct JointPrior {
-    /// Described factors of v and of the Coulomb term, for each width of this term.
+    /// Described factors of the viscous and the Coulomb term, for each width of the Coulomb term.
     factors: [[f64; 2]; COULOMB.end - COULOMB.start],
     /// Standard deviation of the friction at the fast speed [N·m or N]; infinite if nothing is known.
     spread: f64,
@@ -75,13 +75,15 @@ impl JointPrior {
         if self.offset > 0.0 { self.time * (deviation / spread).powi(2) } else { 0.0 }
     }
 
-    /// The weight of [`Self::samples_of_offset`] for a larger standard deviation of the offset. The factor of the standard
-    /// deviation is [`levels::LARGER_OFFSET`].
+    /// Weight of the prior of an offset whose standard deviation is larger by the factor
+    /// [`levels::LARGER_OFFSET`].
+    ///
+    /// - `samples`: weight for the usual standard deviation, as a number of samples
     pub(super) fn fewer(samples: f64) -> f64 {
         samples / levels::LARGER_OFFSET.get().powi(2)
     }
 
-    /// Variance of the score that is due to the uncertainty of an offset, in the weights of independent samples.
+    /// Variance of the score (the gradient of the objective) that is due to the uncertainty of an offset.
     ///
     /// - `weight`: product of [`Self::samples_of_offset`] and the weight 1/σ² of a sample
     pub(super) fn offset_score(&self, weight: f64) -> f64 {
@@ -106,7 +108,8 @@ fn largest(layout: &Layout, runs: &[PreparedRun], joint: usize) -> f64 {
     runs.iter().map(of_run).fold(0.0, f64::max)
 }
 
-/// Factors of v and tanh(k v) that approximate a friction law by least squares at speeds up to the fast speed.
+/// Factors of v and tanh(k v), with the velocity v, that approximate a friction law by least squares at
+/// speeds up to the fast speed.
 fn projected(law: &dyn Fn(f64) -> f64, fast: f64, k: f64) -> [f64; 2] {
     let mut sums = [[0.0; 3]; 2];
     for i in 1..=levels::SPEEDS.get() {

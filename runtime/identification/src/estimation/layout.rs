@@ -11,9 +11,10 @@ use super::settings::EstimationSettings;
 use gelenk_findings::digits::two_digits;
 use std::ops::Range;
 
-/// Candidate widths 1/k of the Coulomb term tanh(k v), as shares of the joint's fast speed ([`fast_speed`]).
+/// Candidate widths 1/k of the Coulomb term tanh(k v) with the velocity v, as shares of the joint's fast
+/// speed ([`fast_speed`]).
 const WIDTHS: [f64; 4] = [0.01, 0.025, 0.06, 0.15];
-/// Number of candidate terms of a joint: v, the Coulomb terms, |v|, and ÿ.
+/// Number of candidate terms of a joint: velocity v, the Coulomb terms, |v|, and acceleration ÿ.
 pub(super) const TERMS: usize = WIDTHS.len() + 3;
 pub(super) const VISCOUS: usize = 0;
 pub(super) const COULOMB: Range<usize> = 1..1 + WIDTHS.len();
@@ -22,8 +23,8 @@ pub(super) const ARMATURE: usize = TERMS - 1;
 /// Index of the load-dependent friction term |τ_l| tanh(k v) with the load τ_l, if the layout has this term.
 pub(super) const LOAD: usize = TERMS;
 
-/// Number of random states at which the structure of the regressor W is determined. One state is enough with probability
-/// one. More states are a safeguard.
+/// Number of random states at which the nonzero columns of the regressor W are found. One state is enough
+/// with probability one. More states are a safeguard.
 const PROBES: usize = 4;
 
 /// Columns of the equations of all joints, and properties of the data.
@@ -36,8 +37,8 @@ pub(super) struct Layout {
     pub(super) parameters: usize,
     /// Number of candidate terms of each joint: [`TERMS`], or one more with [`LOAD`].
     pub(super) terms: usize,
-    /// Indices of the unknowns in each joint's equation, ascending. The sums of a joint have these columns, then the
-    /// described rigid force and the measured force.
+    /// Indices of the unknowns in each joint's equation, ascending. The equation also has columns of the
+    /// described rigid-body force and of the measured force.
     pub(super) local: Vec<Vec<usize>>,
     /// For each effort, the index of its delay. Efforts with the same index share a delay. Empty if the delays are known.
     pub(super) delays: Vec<usize>,
@@ -69,6 +70,8 @@ impl Layout {
         (0..self.joints).map(is_known).collect()
     }
 
+    /// Layout of the unknowns for prepared runs.
+    ///
     /// - `given`: factors k of the Coulomb terms of each joint; `None` if the factors are chosen by the held-out error
     /// - `loads`: whether there is a term of load-dependent friction
     pub(super) fn new(
@@ -103,7 +106,7 @@ impl Layout {
         Ok(Self { measured, ..layout }.without_resting_currents())
     }
 
-    /// The layout of an estimate with these settings.
+    /// The layout of an estimate with given settings.
     ///
     /// - `steepness`: factors k of the Coulomb terms tanh(k v) of each joint
     /// - `loads`: whether there is a term of load-dependent friction
@@ -203,7 +206,7 @@ impl Layout {
         self.input_matrix.len() / self.joints.max(1)
     }
 
-    /// The efforts that act on a joint, with their factors in B.
+    /// The efforts that act on a joint, with their factors in the input matrix B.
     pub(super) fn acting(&self, joint: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let own = (self.effort == Effort::Joint).then_some((joint, 1.0));
         let inputs = if own.is_some() { 0 } else { self.inputs() };
@@ -223,7 +226,7 @@ impl Layout {
         global >= self.delay(0)
     }
 
-    /// Number of delays.
+    /// Number of unknown delays of the efforts.
     pub(super) fn delay_count(&self) -> usize {
         self.delays.iter().map(|delay| delay + 1).max().unwrap_or(0)
     }
@@ -263,7 +266,7 @@ impl Layout {
         if self.exact[joint] { Offsets::None } else { measured }
     }
 
-    /// Number of unknowns.
+    /// Number of all unknowns: inertial parameters, candidate terms and delays.
     pub(super) fn len(&self) -> usize {
         self.parameters + self.joints * self.terms + self.delay_count()
     }
@@ -292,8 +295,8 @@ fn measured(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<bool> {
     (0..joints).map(|joint| !unmeasured[joint] && runs.iter().all(|run| of_run(joint, run))).collect()
 }
 
-/// Fails if inputs act at frames and efforts are inputs or currents, because B is then not constant. Also fails if gains of
-/// currents are unknown and joints and inputs do not correspond one to one.
+/// Fails if inputs act at frames and efforts are inputs or currents, because the input matrix B is then not
+/// constant. Also fails if gains of currents are unknown and joints and inputs do not correspond one to one.
 fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
     if effort != Effort::Joint && robot.has_inputs_at_frames() {
         return Err(Place::default().fault(

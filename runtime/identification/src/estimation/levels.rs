@@ -3,8 +3,8 @@
 use super::super::numeric::levels::levels;
 
 levels! {
-    /// Largest sum of squared position differences at which two runs count as the same motion, as a share of the sum of
-    /// squared displacements of one run from its start.
+    /// Largest difference between two runs that count as the same motion. It is the sum of squared position
+    /// differences, divided by the sum of squared displacements of one run from its start.
     ALIKE_MOTIONS: f64 = 0.01;
 
     /// Share of the longer run's length that the shorter run must have to be the same motion.
@@ -41,13 +41,15 @@ levels! {
     /// Share of the squared mean radius of gyration of all bodies that is added to a described inertia.
     COMMON_FLOOR: f64 = 1e-3;
 
-    /// Standard deviation of a described body in `Prior::round_metric`: 17 % of its mass, and 7 % of its radius of gyration
-    /// for each coordinate of its centre. It was chosen with 24 logs of a simulated arm (masses within a factor of 1.25,
-    /// centres within about 12 mm). There the 90 % intervals of the motor constants that are known within a factor of 2
-    /// contain 83 %, 94 % and 96 % of the true values for 0.1, 0.12 and 0.14.
+    /// Standard deviation of a described body in `Prior::round_metric`: 17 % of its mass, and 7 % of its
+    /// radius of gyration for each coordinate of its centre. It was chosen with 24 logs of a simulated arm
+    /// (masses within a factor of 1.25, centres within about 12 mm). For 0.1, 0.12 and 0.14, the 90 %
+    /// intervals of the motor constants that are known within a factor of 2 contain 83 %, 94 % and 96 % of
+    /// the true values.
     BODIES: f64 = 0.12;
 
-    /// Largest standard deviation of ln K, with the gain K. The value corresponds to three decades of K.
+    /// Largest standard deviation of ln K, with the gain K of a drive. The value corresponds to three decades
+    /// of K.
     GAINS: f64 = 7.0;
 
     /// Smallest weight of the description that is tried.
@@ -56,7 +58,7 @@ levels! {
     /// Factor by which the weight of a described body may be reduced.
     LESS_TRUST: f64 = 0.01;
 
-    /// Multiple of the standard deviation beyond which a sample loses weight (Huber 1964). The fit is 99.9 % efficient for
+    /// Multiple of the standard deviation beyond which a sample loses weight (Huber 1964). The fit is 99.8 % efficient for
     /// normal errors. Friction at reversals gives large residuals that are not outliers. Smaller multiples would remove them.
     HUBER: f64 = 2.5;
 
@@ -79,15 +81,15 @@ levels! {
     /// lower the error by two standard errors. It must not raise the error of a joint by this share, because changes elsewhere
     /// partly explain a fault in one place.
     ///
-    /// A larger multiple of the standard error for many hypotheses (Dunn 1961) rejects true hypotheses, because folds with
-    /// little motion make the standard error large even if every fold improves.
+    /// A larger multiple of the standard error for many hypotheses (Dunn 1961) rejects true hypotheses. Folds
+    /// with little motion make the standard error large even if every fold improves.
     CLEARLY: f64 = 0.1;
 
     /// R² below which a joint's effort is hardly explained. The sign of this effort is then doubted.
     POOR: f64 = 0.5;
 
-    /// Smallest power of estimated friction that drives a joint at which there is a finding, as a share of the power of a
-    /// force with the size of the measured force.
+    /// Smallest power of friction that drives a joint for which there is a finding. It is a share of the
+    /// power of a force with the size of the measured force.
     NOTICEABLE_POWER: f64 = 0.05;
 
     /// Smallest number of samples with which estimated friction that drives a joint shows a wrong sign of the effort. It is ten
@@ -97,8 +99,9 @@ levels! {
     /// Share of the residual's variance that one quantity may explain without a finding.
     SUSPICIOUS: f64 = 0.1;
 
-    /// Least share of the residual's variance that one quantity must explain for a finding, as a multiple of the correlation
-    /// time divided by the number of samples. Chance alone gives a multiple of about one.
+    /// Least share of the residual's variance that one quantity must explain for a finding. The unit of the
+    /// share is the correlation time divided by the number of samples. Chance alone gives a multiple of about
+    /// one.
     BY_CHANCE: f64 = 10.0;
 
     /// Ratio of estimated to described rigid-body forces (or its inverse) beyond which a unit may be wrong.

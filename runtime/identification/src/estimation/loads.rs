@@ -1,8 +1,8 @@
 //! Load-dependent friction of a gear, `|τ_l| s₁(v)` (Hamon, Gautier, Garrec 2010), in the fit of all unknowns.
 //!
-//! The load `τ_l = M ÿ + k − q` depends on the estimated values, so the term is not linear in the unknowns. The fit is
-//! repeated in passes. Each pass computes the load with the values of the previous pass. The term is then a column like the
-//! other friction terms.
+//! The load τ_l of a gear is the force of the rigid body without friction. It depends on the estimated
+//! values, so the term is not linear in the unknowns. The fit is repeated in passes. Each pass computes the
+//! load with the values of the previous pass. The term is then a column like the other friction terms.
 
 use super::super::error::{Place, Result};
 use super::super::robot::Robot;
@@ -59,10 +59,10 @@ impl Loads {
         }
     }
 
-    /// |τ_l| of a joint [N·m or N].
+    /// Magnitude |τ_l| of the load of a joint's gear [N·m or N].
     ///
     /// - `rigid`: described force of the rigid body, including gravity
-    /// - `row`: the joint's row of W, including gravity
+    /// - `row`: the joint's row of the regressor W, including gravity
     pub(super) fn magnitude(&self, joint: usize, rigid: f64, row: &[f64], acceleration: f64) -> f64 {
         let change: f64 = row.iter().zip(&self.changes).map(|(w, change)| w * change).sum();
         (rigid + change + self.armatures[joint] * acceleration).abs()

@@ -93,7 +93,8 @@ impl<'a> Centred<'a> {
         (0..self.layout.joints).map(rss).collect()
     }
 
-    /// Residual sum of squares of each joint over a fold, with the offsets from the other folds.
+    /// Residual sum of squares of each joint over a fold, with the offsets that were fitted to the other
+    /// folds.
     pub(super) fn held_out(&self, fold: usize, values: &Values) -> Vec<f64> {
         (0..self.layout.joints).map(|j| self.rss_over(self.sums, fold, values, j)).collect()
     }
@@ -147,7 +148,7 @@ impl<'a> Centred<'a> {
     }
 }
 
-/// Products of a joint's columns without the part that offsets explain.
+/// Sums of products of a joint's columns without the part that offsets explain.
 ///
 /// - `without`: fold that is left out
 /// - `zeros`: weight of the prior of each offset, as in [`Centred::zeros`]
@@ -173,7 +174,8 @@ fn groups(runs: Vec<(f64, DVector<f64>)>, offsets: Offsets) -> Vec<(f64, DVector
     }
 }
 
-/// Factors of a joint's columns in its residual `K z − rigid − W δ − Θ φ`, with the symbols of [`super::fit::fit`].
+/// Factors of a joint's columns in its residual, which is the measured force minus three forces: the
+/// described force, the force of the changed inertial parameters, and friction.
 pub(super) fn residual_vector(layout: &Layout, values: &Values, joint: usize) -> DVector<f64> {
     let local = &layout.local[joint];
     let mut r = DVector::zeros(local.len() + 2);
@@ -185,7 +187,7 @@ pub(super) fn residual_vector(layout: &Layout, values: &Values, joint: usize) ->
     r
 }
 
-/// The normal equations `H x = g` over the active unknowns.
+/// The normal equations `H x = g` over the active unknowns x, with the Hessian H and the right side g.
 pub(super) struct Normal {
     pub(super) hessian: DMatrix<f64>,
     pub(super) linear: DVector<f64>,
@@ -331,13 +333,14 @@ impl Factor {
         self.scaled(self.factor.solve(&self.scaled(b.clone())))
     }
 
-    /// The product `D⁻¹ B` with the scaling D.
+    /// The product `D⁻¹ B` of a matrix B with the inverse of the scaling D.
     pub(super) fn scaled(&self, mut b: DMatrix<f64>) -> DMatrix<f64> {
         b.row_iter_mut().zip(self.scale.iter()).for_each(|(mut row, scale)| row *= *scale);
         b
     }
 
-    /// `L⁻¹ D⁻¹ B`: coordinates in which A is the identity.
+    /// The product `L⁻¹ D⁻¹ B` of a matrix B with the inverse factors of A: coordinates in which A is the
+    /// identity.
     pub(super) fn whitened(&self, b: DMatrix<f64>) -> DMatrix<f64> {
         let mut whitened = self.scaled(b);
         self.factor.l().solve_lower_triangular_mut(&mut whitened);

@@ -15,7 +15,7 @@ use nalgebra::{Cholesky, Const, DMatrix, DVector, Matrix3, Matrix4};
 #[derive(Clone)]
 pub(super) struct Prior {
     pub(super) metric: DMatrix<f64>,
-    /// The described parameters.
+    /// Inertial parameters in the description [kg, kg m, kg m²].
     pub(super) described: Vec<f64>,
     /// Whether each parameter is held at its described value. Parameters of bodies without mass and of rotors without
     /// inertia are held.
@@ -31,7 +31,7 @@ pub(super) struct Prior {
 /// A Gaussian about described values, for each active unknown.
 pub(super) struct Gaussian {
     pub(super) mean: DVector<f64>,
-    /// Inverses of the variances; zero if nothing is known.
+    /// Inverses of the prior variances; zero if nothing is known.
     pub(super) precision: DVector<f64>,
     /// Number of correlated samples that count as one independent sample.
     pub(super) time: DVector<f64>,
@@ -46,7 +46,7 @@ impl Prior {
         Self { metric, described, held, bodies, size, joints }
     }
 
-    /// The same prior with the correlation time of each joint's residuals.
+    /// Sets the correlation time of each joint's residuals in the prior.
     pub(super) fn with_times(mut self, times: &[f64]) -> Self {
         let joints = self.joints.into_iter().zip(times);
         self.joints = joints.map(|(joint, time)| joint.with_time(*time)).collect();

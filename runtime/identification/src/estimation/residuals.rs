@@ -17,8 +17,9 @@ const FROM_MEDIAN: f64 = 1.4826;
 pub(super) struct Forces {
     pub(super) measured: Vec<Vec<Vec<f64>>>,
     pub(super) residual: Vec<Vec<Vec<f64>>>,
-    /// Forces of the rigid body with the estimated values (`rigid`) and with the described values.
+    /// Forces of the rigid body with the estimated inertial parameters.
     pub(super) rigid: Vec<Vec<Vec<f64>>>,
+    /// Forces of the rigid body with the described inertial parameters.
     pub(super) described: Vec<Vec<Vec<f64>>>,
     /// Load-dependent friction; empty if the layout does not have this term.
     pub(super) load: Vec<Vec<Vec<f64>>>,
@@ -79,7 +80,8 @@ pub(super) fn forces(
     found
 }
 
-/// The measured force at the time of the motion, `K (z + δ ż)` with the delay δ.
+/// The measured force at the time of the motion, `K (z + δ ż)` with the gain K, the measured effort z and the
+/// delay δ.
 fn measured(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64]]) -> Vec<f64> {
     let mut only = factors.map(|_| 0.0);
     for (k, _) in layout.local[joint].iter().enumerate().filter(|(_, global)| layout.is_delay(**global)) {
@@ -90,7 +92,8 @@ fn measured(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[
     residual(&only, 0.0, columns)
 }
 
-/// Rigid force `W π` including reflected inertia and all non-inertial forces of the description.
+/// Rigid-body force with the estimated parameters, including reflected inertia and all non-inertial forces of
+/// the description.
 fn rigid(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64]]) -> Vec<f64> {
     let mut only = factors.map(|_| 0.0);
     for (k, &global) in layout.local[joint].iter().enumerate() {

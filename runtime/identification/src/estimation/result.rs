@@ -20,12 +20,15 @@ pub enum Offsets {
 /// W₀ is the regressor at rest, and π are the inertial parameters. The dots stand for friction, offset and other forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Gravity {
-    /// The recorded efforts contain the weight: `z = W π + …`.
+    /// The recorded efforts z contain the robot's weight: `z = W π + …` with the regressor W and the inertial
+    /// parameters π.
     Recorded,
-    /// The robot compensates its whole weight outside the recorded efforts: `z = W π − W₀ π + …`.
+    /// The robot compensates its whole weight outside the recorded efforts z: `z = W π − W₀ π + …` with the
+    /// regressor W, the regressor at rest W₀ and the inertial parameters π.
     Compensated,
-    /// The robot compensates the weight of the described bodies, whose parameters are π₀: `z = W π − W₀ π₀ + …`. The efforts
-    /// contain the rest of the weight, which determines the masses.
+    /// The robot compensates the weight of the described bodies outside the recorded efforts z: `z = W π − W₀
+    /// π₀ + …` with the regressor W, the regressor at rest W₀, the inertial parameters π and the described
+    /// parameters π₀. The efforts contain the rest of the weight, which determines the masses.
     CompensatedAsDescribed,
 }
 
@@ -39,7 +42,7 @@ impl Gravity {
 /// Inertia, friction, offsets and gains of a robot, with intervals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
-    /// The P inertial parameters π, in the robot's order [kg, kg m, kg m²].
+    /// Inertial parameters π, in the robot's order [kg, kg m, kg m²].
     pub parameters: Vec<Uncertain>,
     /// Whether every body with mass is physically possible: its pseudo-inertia is positive definite.
     pub consistent: bool,
@@ -56,7 +59,7 @@ pub struct Estimate {
     /// Effective number of inertial parameters that the data determine: the trace of `(H + λ R)⁻¹ H` over these parameters,
     /// with the Hessian H of the sum of squares, the weight λ and the metric R of the description.
     pub effective_parameters: f64,
-    /// Covariance of the inertial parameters `[P × P]`; zero for parameters that the data may not change.
+    /// Covariance matrix of the inertial parameters; zero for parameters that the data may not change.
     pub parameter_covariance: DMatrix<f64>,
     /// Sums of products from which [`Self::r_squared_lost`] is computed.
     pub(crate) sensitivity: Sensitivity,
@@ -132,10 +135,10 @@ pub struct JointEstimate {
     /// `R² = 1 − RSS / Σ (τ − τ̄)²` over all fitted data, with the residual sum of squares RSS, the measured force τ
     /// and its mean τ̄.
     pub r_squared: f64,
-    /// R² of predictions in which each fold is predicted by the fit to the other folds.
+    /// R² on held-out data: each fold of the data is predicted by the fit to the other folds.
     pub held_out_r_squared: f64,
-    /// Held-out R² over all samples including those at rest. At rest, dry friction takes any value up to the static one,
-    /// which no law of the velocity predicts. NaN if the estimate was made from moments.
+    /// R² on held-out data over all samples including those at rest. At rest, dry friction takes any value up
+    /// to the static one, which no law of the velocity predicts. NaN if the estimate was made from moments.
     pub held_out_with_rest: f64,
     /// Share of the samples in which the joint rests. These samples are not used for the estimate and for the other numbers
     /// of this struct, except [`Self::held_out_with_rest`].

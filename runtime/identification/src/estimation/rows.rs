@@ -29,7 +29,8 @@ pub(super) struct Rows<'a> {
     load: Vec<f64>,
     regressor: Vec<f64>,
     at_rest: Vec<f64>,
-    /// Entries that `more` adds at the last evaluated sample; empty if `more` is `None`.
+    /// Entries of the regressor that a hypothesis adds at the last evaluated sample; empty if there is no
+    /// such hypothesis.
     added: Vec<f64>,
     /// Columns of each joint. The distance between two columns is [`BLOCK`].
     columns: Vec<Vec<f64>>,
@@ -67,12 +68,12 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// These rows with the rates of the efforts from a first fit.
+    /// Sets the rates of the efforts that a first fit has predicted.
     pub(super) fn with_rates(self, rates: Option<&'a [Vec<Vec<f64>>]>) -> Self {
         Self { rates, ..self }
     }
 
-    /// These rows with the change of the regressor that belongs to a hypothesis.
+    /// Sets the change of the regressor that belongs to a hypothesis.
     pub(super) fn with_more(self, more: Option<More<'a>>) -> Self {
         let added = vec![0.0; more.map_or(0, |_| self.layout.joints * self.layout.parameters)];
         Self { more, added, ..self }
@@ -214,8 +215,8 @@ impl<'a> Rows<'a> {
         set(behind + 1, last[1]);
     }
 
-    /// Writes the columns of the delays. An effort that is late by a time δ is `z(t + δ) ≈ z + δ ż` at the time of the
-    /// motion, so the column of δ is −ż.
+    /// Writes the columns of the delays. An effort z that is late by a time δ is `z(t + δ) ≈ z + δ ż` at the
+    /// time of the motion, so the column of δ is −ż.
     fn write_delays(
         &mut self,
         (number, run): (usize, &PreparedRun),

@@ -10,7 +10,7 @@ pub(crate) struct Sensitivity {
     pub(super) joints: Vec<JointSensitivity>,
 }
 
-/// Sums over the equations of a joint.
+/// Sums of products over the samples of one joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct JointSensitivity {
     /// Indices of the parameters with a column in the joint's equation.
@@ -19,7 +19,7 @@ pub(super) struct JointSensitivity {
     pub(super) products: DMatrix<f64>,
     /// Products of the parameters' columns with the residual.
     pub(super) slopes: DVector<f64>,
-    /// `Σ (τ − τ̄)²` of the measured force τ.
+    /// Variation `Σ (τ − τ̄)²` of the measured force τ with the mean τ̄.
     pub(super) variation: f64,
 }
 

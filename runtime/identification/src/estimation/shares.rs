@@ -44,7 +44,7 @@ pub(crate) struct Columns {
     layout: Layout,
 }
 
-/// Sums over one share, or over one piece of a log.
+/// Sums of products over one share (a group of samples of all logs), or over one piece of a log.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ShareSums {
     pub(crate) samples: usize,
@@ -72,6 +72,8 @@ pub(crate) struct Weighted<'a> {
 }
 
 impl Columns {
+    /// The columns for a robot, chosen before the samples are read.
+    ///
     /// - `spans`: for each joint, the largest range of positions in a log
     /// - `measured`: for each joint, whether a log has its effort
     ///
@@ -93,7 +95,7 @@ impl Columns {
         Ok(Self { layout: Layout { measured, ..layout }.without_resting_currents() })
     }
 
-    /// Number of columns of each joint.
+    /// Number of columns of each joint's equation.
     pub(crate) fn widths(&self) -> Vec<usize> {
         let extra = |joint: usize| EXTRA[usize::from(self.layout.exact[joint])];
         (0..self.layout.joints).map(|joint| self.layout.width(joint) + extra(joint)).collect()
@@ -116,7 +118,8 @@ impl Columns {
         ]
     }
 
-    /// Sums over each piece. The mean of each column over its run is subtracted, except for joints with a quaternion.
+    /// Sums of products over each piece of the runs. The mean of each column over its run is subtracted,
+    /// except for joints with a quaternion.
     ///
     /// - `filter`: filter of the efforts, which the columns of friction also pass
     /// - `of`: weights and residuals of the samples
@@ -234,16 +237,18 @@ fn add_lost(lost: &mut [f64; 2], weights: &[f64], squared: [&[f64]; 2]) {
 pub(crate) struct SharedData<'a> {
     pub(crate) robot: &'a dyn Robot,
     pub(crate) settings: &'a EstimationSettings,
-    /// Gravity in the logs. The file of the sums contains it, and the settings are not used.
+    /// Part of the robot's weight that the logged efforts contain. The value comes from the file of the sums,
+    /// not from the settings.
     pub(crate) gravity: Gravity,
     pub(crate) columns: &'a Columns,
-    /// Shares that have samples.
+    /// Sums of each share (group of samples) that has samples.
     pub(crate) shares: &'a [ShareSums],
     /// Correlation time of the residuals [samples].
     pub(crate) correlation_time: f64,
 }
 
-/// The estimate, and for each joint the factors of its columns in the friction torque.
+/// The estimate, and the friction torque of each joint as factors of the joint's columns (regressor, terms,
+/// measured force).
 pub(crate) struct SharedEstimate {
     pub(crate) estimate: Estimate,
     pub(crate) friction: Vec<DVector<f64>>,
@@ -301,7 +306,8 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
     Ok(SharedEstimate { estimate, friction: (0..layout.joints).map(|j| found.friction(j)).collect() })
 }
 
-/// Sums in the form that the fit needs. The columns of measured forces have the mean zero.
+/// Converts sums of the shares to the form that the fit needs. The columns of measured forces have the mean
+/// zero.
 fn sums_of(layout: &Layout, shares: &[ShareSums]) -> Sums {
     let of_estimate = |share: &ShareSums| -> Vec<DMatrix<f64>> {
         let part = |(joint, products): (usize, &DMatrix<f64>)| {
@@ -372,7 +378,8 @@ impl Found<'_> {
         &self.fitted.chosen.centred.all[joint]
     }
 
-    /// Σ (1 − w) r² and Σ (1 − w)(z − z̄)² in units of force.
+    /// Sums of squares that the reduced weights w of outliers remove, in units of force: Σ (1 − w) r² and Σ
+    /// (1 − w)(z − z̄)², with the residual r and the measured effort z.
     fn lost(&self, joint: usize) -> [f64; 2] {
         let sum = |which: usize| self.data.shares.iter().map(|share| share.lost[joint][which]).sum::<f64>();
         [0, 1].map(|which| self.gain(joint).powi(2) * sum(which))
@@ -420,8 +427,8 @@ impl Found<'_> {
         found.map(|finding| finding.of(robot.subject(joint))).collect()
     }
 
-    /// Friction as factors of a joint's columns: the measured force minus the forces of the rigid body and of an added
-    /// inertia.
+    /// Friction torque of a joint as factors of its columns: the measured force minus the forces of the rigid
+    /// body and of an added inertia.
     fn friction(&self, joint: usize) -> DVector<f64> {
         let layout = self.fitted.layout;
         let mut factors = residual_vector(layout, &self.fitted.solved.values, joint);

@@ -22,8 +22,8 @@ pub(super) fn springs(case: &Case) -> Result<Vec<Change>> {
     Ok(layout.rubbing().filter(is_joint).map(Change::Spring).collect())
 }
 
-/// Derivative of the described forces of a joint, without the forces of bodies, with respect to its position, at the first
-/// sample of the first run [N·m/rad or N/m].
+/// Described stiffness of a joint at the first sample of the first run [N·m/rad or N/m]. It is the derivative
+/// of the described forces, without those of bodies, with respect to the joint's position.
 fn described_stiffness(task: &Task, joint: usize) -> f64 {
     const STEP: f64 = 1e-3;
     let robot = task.robot;

@@ -23,7 +23,7 @@ pub(super) struct Piece {
     pub(super) rows: Range<usize>,
 }
 
-/// Sums over a piece for each joint: sum of the weights, and sums of the weighted columns.
+/// Sums over a piece of a run for each joint: the sum of the weights, and the sums of the weighted columns.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PieceSums {
     pub(super) run: usize,
@@ -32,22 +32,23 @@ pub(super) struct PieceSums {
     pub(super) columns: Vec<DVector<f64>>,
 }
 
-/// Sums of products for each fold and joint, and the sums of the pieces.
+/// Sums of products of the columns for each fold and joint, and sums of the columns for each piece of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Sums {
     pub(super) folds: Vec<Vec<DMatrix<f64>>>,
     pub(super) pieces: Vec<PieceSums>,
     pub(super) samples: usize,
-    /// The same sums without samples near stops. Gains are estimated from these sums. `None` if no gain is estimated.
+    /// Sums of products without samples near stops, from which gains are estimated. `None` if no gain is
+    /// estimated.
     pub(super) away: Option<Box<Sums>>,
 }
 
 /// Cuts runs into contiguous pieces and assigns the pieces to folds.
 ///
-/// If there are at most half as many runs as folds, each fold is one contiguous part of all samples. If there are more runs,
-/// each run is halved, and the halves are in different folds, so that the offset of the run can be estimated from the other
-/// half. Runs that repeat a motion are in the same folds. Otherwise the fit would know the motion of the held-out run, and
-/// the error would not measure the prediction of other motions.
+/// If there are at most half as many runs as folds, each fold is one contiguous part of all samples. If there
+/// are more runs, each run is halved, and the halves are in different folds. The offset of the run can then
+/// be estimated from the other half. Runs that repeat a motion are in the same folds. Otherwise the fit would
+/// know the motion of the held-out run, and the error would not measure the prediction of other motions.
 pub(super) fn cut(runs: &[PreparedRun], folds: usize) -> Vec<Piece> {
     let pairs = (folds / 2).max(1);
     if runs.len() > pairs {
@@ -221,7 +222,7 @@ impl Sums {
         sum
     }
 
-    /// Products of a joint over all folds, or over all folds except `without`.
+    /// Sums of products of a joint's columns over all folds, or over all folds except `without`.
     pub(super) fn products(&self, joint: usize, without: Option<usize>) -> DMatrix<f64> {
         let q = self.folds[0][joint].nrows();
         let chosen = self.folds.iter().enumerate().filter(|(k, _)| Some(*k) != without);

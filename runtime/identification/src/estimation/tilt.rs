@@ -38,6 +38,8 @@ pub(super) fn tilts(case: &Case) -> Vec<Change> {
     found.into_iter().collect()
 }
 
+/// Direction of gravity that the data determine; `None` if it agrees with the described direction or cannot be estimated.
+///
 /// - `last`: fit with the described gravity
 fn tilt(task: &Task, last: &Chosen) -> Result<Option<Change>> {
     let is_usual = task.gravity == Gravity::Recorded && !task.layout.known_gains.contains(&false);
@@ -82,8 +84,8 @@ struct Turning<'a> {
 }
 
 impl Turning<'_> {
-    /// Writes into the regressor the gravity columns under this gravity minus those under the described one, and the columns
-    /// of the angles.
+    /// Adds to the regressor the gravity columns under this gravity minus those under the described gravity,
+    /// and the columns of the angles.
     fn add(&self, y: &[f64], joints: usize, regressor: &mut [f64]) {
         let count = self.pi.len();
         let turned = at_rest(self.robot, y, joints, self.gravity - self.described);
@@ -121,7 +123,7 @@ impl Turning<'_> {
         runs.iter().map(of_run).sum::<f64>() < 0.0
     }
 
-    /// Gravity turned by the angles.
+    /// Gravity, turned by the small `angles` [rad] towards two directions perpendicular to it.
     fn turned(&self, angles: &DVector<f64>) -> Vector3<f64> {
         let size = self.gravity.norm();
         let turned = self.gravity + (self.across[0] * angles[0] + self.across[1] * angles[1]) * size;

@@ -43,7 +43,7 @@ pub(super) enum Change {
     Unit(&'static str),
     /// The efforts contain this part of the robot's weight.
     Gravity(Gravity),
-    /// Gravity is this vector.
+    /// Gravity has this vector in the axes of the base [m/s²].
     Tilt(Vector3<f64>),
     /// Joint j has the columns of joint `order[j]`.
     Order(Vec<usize>),
@@ -87,11 +87,12 @@ impl Change {
 /// Bodies with which a change is judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Bodies {
-    /// Fitted with the weight of the description.
+    /// The bodies are fitted with the chosen weight of the description.
     Fitted,
-    /// Fitted without the constraint that bodies are physically possible. This takes less time for many changes.
+    /// The bodies are fitted without the constraint that they are physically possible. This takes less time
+    /// for many changes.
     Unbounded,
-    /// As described.
+    /// The bodies stay as described.
     Described,
 }
 
@@ -100,7 +101,7 @@ impl Bodies {
         if self == Self::Described { Self::Fitted } else { Self::Described }
     }
 
-    /// Held-out errors with these bodies.
+    /// Held-out errors of a choice of terms with bodies of this kind.
     ///
     /// - `own`: number of parameters without the additional ones
     fn errors(self, mut chosen: Chosen, own: usize, prior: &Prior) -> Result<HeldOut> {
@@ -120,20 +121,20 @@ impl Bodies {
 pub(super) struct Hypothesis {
     /// Rule of the finding.
     pub(super) rule: Rule,
-    /// Whether the hypothesis is tried if the rows above gave these findings.
+    /// Whether the hypothesis is tried, given the findings of the rows above it in the table of hypotheses.
     pub(super) when: fn(&Case, &[Finding]) -> bool,
-    /// Changes that are tried.
+    /// Changes of the log or of the description that are tried.
     pub(super) changes: fn(&Case) -> Result<Vec<Change>>,
-    /// Bodies with which the held-out error must fall.
+    /// Kind of bodies (fitted or described) with which a change must lower the held-out error.
     pub(super) bodies: Bodies,
     /// Another change that may also explain the data. The hypothesis is not offered if the other change lowers the error more.
     pub(super) rival: fn(&Case) -> Option<Change>,
-    /// Further condition of the held-out error with the change.
+    /// Further condition that the held-out error with the change must meet.
     pub(super) accepts: fn(&Case, &HeldOut) -> bool,
     /// Whether every change that explains the data better is offered. If false, only the best change is offered.
     pub(super) each: bool,
-    /// Whether the change excludes the changes of the rows above. If it lowers the error more than these changes, its finding
-    /// replaces their findings. Otherwise it is not offered.
+    /// Whether the change excludes the changes of the rows above it in the table of hypotheses. If it lowers
+    /// the error more than these changes, its finding replaces their findings. Otherwise it is not offered.
     pub(super) is_alone: bool,
     /// The finding about a change, without the part of the robot that it is about; `None` if no robot can have the change.
     pub(super) finding: fn(&Case, &Change, &Rule) -> Result<Option<Finding>>,
@@ -161,6 +162,8 @@ pub(super) struct Case<'a> {
 }
 
 impl<'a> Case<'a> {
+    /// The case of a fit. Computes the held-out errors with unconstrained and with described bodies.
+    ///
     /// - `own`: held-out errors of the fit
     pub(super) fn new(
         (robot, prior): (&'a dyn Robot, &'a Prior),
@@ -215,7 +218,7 @@ impl<'a> Case<'a> {
 
     /// The choice of terms with a change, not fitted yet.
     ///
-    /// - `data`: data with the change, if it changes them
+    /// - `data`: data with the change; `None` if the change does not affect the data
     pub(super) fn changed<'b>(&'b self, change: &Change, data: Option<&'b Data>) -> Chosen<'b> {
         let (layout, sums) =
             data.map_or((self.layout(), self.chosen.centred.sums), |data| (&data.layout, &data.sums));

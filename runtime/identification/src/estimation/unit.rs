@@ -1,7 +1,8 @@
 //! Doubts about the unit of efforts, from the ratio of the estimated rigid-body force to the force of the described bodies.
 //!
-//! A single joint is weak evidence. If gravity hardly loads the joint and its gear has much friction, the estimated force may
-//! be ten times the described force because both are nearly zero. So the joints that carry the robot decide about the unit.
+//! A single joint is weak evidence. If gravity hardly loads the joint, the estimated and the described force
+//! are nearly zero. Friction in the gear may then make the estimated force ten times as large. So the joints
+//! that carry the robot decide about the unit.
 
 use super::super::error::{IdentificationError, Result};
 use super::super::log::unit_value;
@@ -122,6 +123,8 @@ impl CommonRatio {
         units.iter().filter(is_near).copied().collect()
     }
 
+    /// Finding that the unit of the efforts is probably wrong.
+    ///
     /// - `guess`: a unit in which the efforts are explained better
     pub(super) fn finding(&self, guess: Option<&str>, rule: &Rule) -> Finding {
         let (key, unit) = match self.effort {

@@ -6,7 +6,7 @@ use super::ExcitationLimits;
 use super::chart::Chart;
 use std::f64::consts::PI;
 
-/// Largest speed and acceleration of the motion from 0 to 1 in one second.
+/// Largest speed and acceleration of the minimum-jerk motion from 0 to 1 in one second.
 const PEAKS: [f64; 2] = [1.875, 5.773_502_691_896_258];
 /// Number of intervals of the motion at whose ends its forces are computed.
 const PARTS: usize = 100;
@@ -20,7 +20,7 @@ pub struct Approach {
     /// Posture at the beginning [rad or m], one entry for each joint. A joint with a quaternion has the three entries of the
     /// rotation vector of its orientation. If it is floating, the three entries of its origin's position come first.
     pub from: Vec<f64>,
-    /// Posture at the end, in the same coordinates.
+    /// Posture at the end of the approach [rad or m], in the coordinates of `from`.
     pub to: Vec<f64>,
     /// Shortest time that keeps the limits of speed and acceleration \[s\]; 0 if both postures are equal.
     pub seconds: f64,
@@ -42,7 +42,7 @@ impl Approach {
         approach
     }
 
-    /// y, ẏ, ÿ at a share τ of the motion, if it takes `seconds`.
+    /// Position y, velocity ẏ and acceleration ÿ at a share τ of the approach, which takes `seconds`.
     fn instant(&self, share: f64, seconds: f64) -> Instant {
         let t = share.clamp(0.0, 1.0);
         let s = t * t * t * (10.0 - 15.0 * t + 6.0 * t * t);

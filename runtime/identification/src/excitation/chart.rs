@@ -17,7 +17,8 @@ use super::{ExcitationLimits, FourierMotion};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use std::ops::Range;
 
-/// Number of terms of the series in θ². The error is below rounding for all rotations up to π.
+/// Number of terms of the power series in the squared angle θ² of a rotation. The error is below rounding for
+/// all rotations up to π.
 const TERMS: i32 = 16;
 /// Largest number of times that a motion is scaled towards its limits. The excess of a speed falls fast.
 const ROUNDS: usize = 6;
@@ -29,7 +30,8 @@ const MARGIN: f64 = 1e-3;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Chart {
     joints: Vec<QuaternionJoint>,
-    /// Index of the entry of y for each coordinate; `None` for coordinates of joints with a quaternion.
+    /// Index of the entry of the positions y for each coordinate; `None` for coordinates of joints with a
+    /// quaternion.
     plain: Vec<Option<usize>>,
 }
 
@@ -72,12 +74,12 @@ impl Chart {
         found
     }
 
-    /// [`Self::instant`] of several states.
+    /// Positions, velocities and accelerations of several states, as by [`Self::instant`].
     pub(super) fn instants(&self, of: &[Instant]) -> Vec<Instant> {
         of.iter().map(|instant| self.instant(instant)).collect()
     }
 
-    /// Largest ratio of a velocity or acceleration of these coordinates to its limit.
+    /// Largest ratio of a velocity or acceleration of the coordinates `rows` to its limit.
     fn excess(&self, rows: Range<usize>, instants: &[Instant], limits: &[ExcitationLimits]) -> f64 {
         let of = |[_, v, a]: &Instant| {
             let row = |i: usize| (v[i].abs() / limits[i].velocity).max(a[i].abs() / limits[i].acceleration);
@@ -86,7 +88,7 @@ impl Chart {
         instants.iter().map(of).fold(0.0, f64::max)
     }
 
-    /// The largest [`Self::excess`] of a joint with a quaternion.
+    /// Largest ratio of a velocity or acceleration of a joint with a quaternion to its limit.
     pub(super) fn largest_excess(&self, instants: &[Instant], limits: &[ExcitationLimits]) -> f64 {
         let of = |joint: &QuaternionJoint| self.excess(joint.velocities(), instants, limits);
         self.joints.iter().map(of).fold(0.0, f64::max)
@@ -133,7 +135,8 @@ fn place(joint: &QuaternionJoint, [z, dz, ddz]: &Instant, [y, v, a]: &mut Instan
     }
 }
 
-/// Orientation exp(φ), angular velocity and angular acceleration in the body's frame.
+/// Orientation exp(φ) with the rotation vector φ = `phi`, and the angular velocity and acceleration in the
+/// body's frame.
 fn turning(
     phi: &Vector3<f64>,
     rate: &Vector3<f64>,

@@ -29,17 +29,18 @@ pub struct PlannedShaft {
 const ROUNDING: f64 = 1e-9;
 /// Number of friction columns of a joint: viscous, Coulomb, offset.
 const FRICTION: usize = 3;
-/// Inputs of the score.
+/// Robot, regressor columns and limits from which a motion's score is computed.
 pub(super) struct Design<'a> {
     robot: &'a dyn Robot,
     rows: RobotRows<'a>,
     /// Indices of linearly independent columns of the regressor W.
     pub(super) independent: Vec<usize>,
     columns: usize,
-    /// Efforts that the motion may require from the joints (`efforts`), torques that it may require from the motors of
-    /// shafts (`torques`), and weights 1/σ (`weights`), by row.
+    /// Largest force of each joint or shaft.
     efforts: Vec<f64>,
+    /// Largest torque of each shaft's motor.
     torques: Vec<f64>,
+    /// Weights 1/σ of the forces, with the standard deviation σ of each force.
     weights: Vec<f64>,
     sign_speeds: Vec<f64>,
     /// Limits of joints that follow other joints, and no-load speeds of the motors.
@@ -164,7 +165,7 @@ impl<'a> Design<'a> {
     /// Minus the logarithm of the determinant of the Fisher information; infinite if the motion exceeds the efforts, the
     /// limits of joints that follow other joints, or the limits of rotating bodies.
     ///
-    /// - `coordinates`: states in the coordinates of the chart
+    /// - `coordinates`: states in the coordinates of the motion ([`Chart`])
     pub(super) fn score(&self, coordinates: &[Instant]) -> f64 {
         if coordinates.iter().any(|instant| self.leaves_limits(instant)) {
             return self.refusals.refuse("the limits of joints that follow others");
@@ -182,7 +183,8 @@ impl<'a> Design<'a> {
         }
     }
 
-    /// `Σ Wᵀ Σ_τ⁻¹ W` over the states: the Fisher information.
+    /// Fisher information `Σ Wᵀ Σ_τ⁻¹ W` over the states, with the regressor W and the covariance Σ_τ of the
+    /// forces.
     pub(super) fn information(&self, instants: &[Instant]) -> DMatrix<f64> {
         let n = self.efforts.len();
         let count = self.independent.len() + self.friction();
@@ -258,13 +260,13 @@ impl<'a> Design<'a> {
     }
 }
 
-/// Largest speeds and forces of the rows.
+/// Largest speed and largest force of each joint or shaft over the states.
 pub(super) fn largest(robot: &dyn Robot, instants: &[Instant]) -> [Vec<f64>; 2] {
     let speed = |i: usize| instants.iter().map(|[_, v, _]| v[i].abs()).fold(0.0, f64::max);
     [(0..robot.joint_names().len()).map(speed).collect(), largest_forces(robot, instants)]
 }
 
-/// Names of the rows whose largest forces exceed their limits.
+/// Names of the joints or shafts whose largest forces exceed their limits.
 fn named_beyond(robot: &dyn Robot, instants: &[Instant], limits: &[f64]) -> Vec<String> {
     let forces = largest_forces(robot, instants).into_iter().zip(limits);
     let names = robot.joint_names().into_iter().zip(forces);

@@ -24,22 +24,24 @@ pub struct PlannedInput {
 
 /// Number of intervals into which a joint's range is divided. Dead centres are searched at the ends of the intervals.
 const PLACES: u32 = 200;
-/// The inputs of a robot with inputs at frames.
+/// Limits of the inputs of a robot with inputs at frames (for example cylinders).
 pub(super) struct FrameInputs<'a> {
     robot: &'a dyn Robot,
     torques: Torques,
 }
 
 impl<'a> FrameInputs<'a> {
-    /// Returns `None` if all inputs are drives. The limits of drives are checked at joints and shafts.
+    /// Returns the inputs with a share of their limits; `None` if all inputs are drives. The limits of drives
+    /// are checked at joints and shafts.
     ///
     /// - `share`: usable share of the described limits
     pub(super) fn of(robot: &'a dyn Robot, share: f64) -> Option<Self> {
         robot.has_inputs_at_frames().then(|| Self { robot, torques: Torques::of(robot, share) })
     }
 
-    /// Name of the first limit that a motion exceeds; `None` if all limits are kept. The limit is that of an input or motor
-    /// that would need more than its usable range, or a dead centre, near which inputs need very large forces.
+    /// Name of the first limit that a motion exceeds; `None` if all limits are kept. It is the limit of an
+    /// input or motor that would need more than its usable range. It can also be a dead centre, near which
+    /// inputs need very large forces.
     pub(super) fn exceeded(&self, instants: &[Instant]) -> Option<String> {
         let mut side = 0.0;
         instants.iter().find_map(|instant| {
@@ -95,8 +97,8 @@ pub(super) fn input_matrix(robot: &dyn Robot, y: &[f64]) -> DMatrix<f64> {
     matrix
 }
 
-/// Narrows the limits of joints to one side of the dead centre of their cylinder, where the lever is at least a share of the
-/// longest lever ([`levels::SHORT`]). Returns a sentence for each of these joints.
+/// Narrows the limits of joints to one side of the dead centre of their cylinder. There the lever is at least
+/// the share [`levels::SHORT`] of the longest lever. Returns a sentence for each of these joints.
 pub(super) fn keep_sides(robot: &dyn Robot, chart: &Chart, limits: &mut [ExcitationLimits]) -> Vec<String> {
     if !robot.has_inputs_at_frames() {
         return Vec::new();

@@ -4,10 +4,11 @@ use super::super::robot::Instant;
 use super::ExcitationLimits;
 use std::f64::consts::TAU;
 
-/// A periodic motion of any number of joints, `yᵢ(t) = cᵢ + Σₖ aᵢₖ sin(k ω t) + bᵢₖ cos(k ω t)`.
+/// A periodic motion of any number of joints, `yᵢ(t) = cᵢ + Σₖ aᵢₖ sin(k ω t) + bᵢₖ cos(k ω t)` with the
+/// centres cᵢ, the coefficients aᵢₖ and bᵢₖ of harmonic k, and the frequency ω.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FourierMotion {
-    /// Period T \[s\], with ω = 2π/T.
+    /// Period T of the motion \[s\]. The first harmonic has the frequency ω = 2π/T.
     pub period: f64,
     /// Centre cᵢ of each joint [rad or m].
     pub center: Vec<f64>,
@@ -61,7 +62,7 @@ impl FourierMotion {
         pairs.flatten().for_each(|x| *x *= size);
     }
 
-    /// Scales and shifts the motion of each joint so that the limits hold at the sampled times, and so that the motion
+    /// Scales and shifts the motion of each joint. The limits then hold at the sampled times, and the motion
     /// nearly reaches one of them.
     pub(super) fn fit_into(&mut self, limits: &[ExcitationLimits], samples: usize) {
         self.center.fill(0.0);

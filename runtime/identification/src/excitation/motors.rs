@@ -15,6 +15,8 @@ pub(super) struct Torques {
 }
 
 impl Torques {
+    /// Limits of the motors as described, multiplied by `share`.
+    ///
     /// - `share`: usable share of the described limits
     pub(super) fn of(robot: &dyn Robot, share: f64) -> Self {
         let usable = robot.input_limits().into_iter().map(|limits| limits.map(|end| share * end));
@@ -54,6 +56,8 @@ pub(super) struct Motors<'a> {
 }
 
 impl<'a> Motors<'a> {
+    /// Motors of a robot; `None` if they have no limits or if inputs act at frames.
+    ///
     /// - `share`: usable share of the described limits
     pub(super) fn of(robot: &'a dyn Robot, share: f64) -> Option<Self> {
         let torques = Torques::of(robot, share);

@@ -33,7 +33,7 @@ const SMALLER: Rule = Rule::note("smaller-motion");
 /// Fixture: `codegen/tests/motion_limits.rs`.
 const APPROACH: Rule = Rule::note("approach-beyond-limits");
 
-/// A planned motion.
+/// A planned motion with the approach, the required speeds and efforts, and findings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// The motion. It is at rest at the beginning and end of each period. The coordinates of a joint with a quaternion are the

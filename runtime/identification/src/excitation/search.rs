@@ -40,7 +40,7 @@ impl Default for Excitation {
     }
 }
 
-/// The motion with the smallest score, this score, and the smallest score of the random starts.
+/// The motion with the smallest score, its score, and the smallest score of the random starts.
 #[derive(Debug, PartialEq)]
 pub(super) struct Best {
     pub motion: FourierMotion,

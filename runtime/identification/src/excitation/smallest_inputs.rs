@@ -7,11 +7,12 @@ use nalgebra::{DMatrix, DVector, Dyn, SVD};
 
 /// Largest error of a force of the inputs, as a share of the largest required force.
 const RESIDUAL: f64 = 1e-9;
-/// Share of the largest singular value of B below which a singular value counts as zero, for example if a cylinder is at its
-/// dead centre.
+/// Singular values of the input matrix B below this share of the largest one count as zero, for example if a
+/// cylinder is at its dead centre.
 pub(super) const SINGULAR: f64 = 1e-9;
-/// Number of corrections of the solution. The decomposition has an error of 6e-6 of the forces if columns of B differ much
-/// in size, for example columns of geared motors and of cylinders. Each correction multiplies the error by 6e-6.
+/// Number of corrections of the solution. The decomposition has an error of 6e-6 of the forces if columns of
+/// the input matrix B differ much in size. Examples are columns of geared motors and of cylinders. Each
+/// correction multiplies the error by 6e-6.
 const CORRECTIONS: usize = 3;
 /// Share of an input's range by which it may exceed its limits, for rounding near an end at 0.
 const OUTSIDE: f64 = 1e-6;
@@ -28,7 +29,8 @@ impl SmallestInputs {
         Self { matrix, decomposed }
     }
 
-    /// The smallest inputs u among those for which B u is nearest to the forces; `None` if there are no inputs.
+    /// The smallest inputs u among those for which B u, with the input matrix B, is nearest to the forces;
+    /// `None` if there are no inputs.
     pub(super) fn closest(&self, forces: &DVector<f64>) -> Option<DVector<f64>> {
         if self.matrix.is_empty() {
             return None;
@@ -50,7 +52,8 @@ impl SmallestInputs {
     }
 }
 
-/// The smallest inputs u with B(y) u = M ÿ + k − q; `None` if no inputs produce these forces.
+/// The smallest inputs u with `B(y) u = M ÿ + k − q`; `None` if no inputs produce these forces. B is the
+/// input matrix, M the mass matrix, k the bias force, and q the force without inputs.
 ///
 /// If there are more inputs than joints, inputs that would leave their limits are held at the exceeded limit. For example, a
 /// propeller that can only push stands still if it would have to pull. If the other inputs cannot produce the remaining

@@ -7,7 +7,7 @@ const BITS: i32 = 72;
 /// Bound of the integers. Sums stay below 2⁵⁴ ≈ 1.8e16.
 const LARGEST: u128 = 1 << 126;
 
-/// A multiple of 2⁻⁷².
+/// An exact number, stored as a multiple of 2⁻⁷².
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Exact(i128);
 
@@ -25,7 +25,7 @@ impl Exact {
         Err(too_large(x))
     }
 
-    /// The exact sum.
+    /// The exact sum of two numbers.
     ///
     /// # Errors
     /// [`IdentificationError::Overflow`] if the sum is too large.

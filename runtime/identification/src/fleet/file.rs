@@ -39,7 +39,7 @@ impl LogMoments {
     /// Writes a file of moments. The file is written completely or not at all. It may be a new file, an empty file, or a
     /// file of moments.
     ///
-    /// - `description`: source of the robot, as for [`super::reduce()`]
+    /// - `description`: source of the robot: contents of its files and the options for reading them
     ///
     /// # Errors
     /// [`IdentificationError::File`](crate::error::IdentificationError::File) if the moments belong to another description,

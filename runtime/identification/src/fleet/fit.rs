@@ -41,7 +41,7 @@ const OF_MOMENTS: Rule = Rule::note("moments");
 /// Identifies a robot from moments of its logs ([`LogMoments`]), as [`super::super::identify::identify`] does from the logs.
 /// Runs, efforts, predictions and offsets in the result are empty, because they cannot be computed from sums.
 ///
-/// - `description`: source of the robot, as for [`super::reduce()`]
+/// - `description`: source of the robot: contents of its files and the options for reading them
 /// - `progress`: receives a sentence at each step
 ///
 /// # Errors
@@ -98,7 +98,7 @@ impl LogMoments {
     /// Fails unless the moments belong to a description.
     ///
     /// # Errors
-    /// [`IdentificationError::File`] if they belong to another description.
+    /// [`IdentificationError::File`] if the moments belong to another description.
     pub(super) fn require_description(&self, description: &[&[u8]]) -> Result<()> {
         if hexadecimal(&self.about.description) == hash_of(description) {
             return Ok(());
@@ -128,10 +128,10 @@ impl LogMoments {
         Err(fault("they were made by another version of gelenk: reduce the logs again with this version"))
     }
 
-    /// Sums of the shares that have samples. A share is a group of samples of many logs.
+    /// Sums of products of the shares that have samples. A share is a group of samples of many logs.
     ///
     /// # Errors
-    /// [`IdentificationError::File`] if there are too few of these shares.
+    /// [`IdentificationError::File`] if there are too few shares with samples.
     fn share_sums(&self, columns: &Columns) -> Result<Vec<ShareSums>> {
         let fewest = levels::FEWEST_SHARES.get();
         let filled = self.shares.iter().filter(|share| share.samples > 0);
@@ -268,7 +268,8 @@ struct JointMoments<'a> {
     facts: &'a JointFacts,
     shares: &'a [ShareSums],
     library: Vec<(String, usize)>,
-    /// Factors of the joint's columns in its friction torque.
+    /// Factors of the linear combination of the joint's columns (regressor, terms, measured force) that is
+    /// its friction torque.
     factors: &'a DVector<f64>,
     gain: f64,
 }

@@ -17,7 +17,7 @@ const OF_LOGS: Rule = Rule::warning("doubts-of-logs");
 /// Number of shares to which the pieces of logs belong. Shares are the folds of the held-out error and the blocks of
 /// intervals.
 pub(super) const SHARES: usize = 16;
-/// A SHA-256.
+/// The 32 bytes of a SHA-256.
 pub(super) type Hash = [u8; 32];
 
 /// Moments of one or several logs: sums of products of the columns of each joint's equation (regressor and measured force). The
@@ -31,7 +31,7 @@ pub struct LogMoments {
     /// Doubts of the fits to single logs, ascending by joint and kind.
     pub(super) doubts: Vec<Doubt>,
     pub(super) joints: Vec<JointFacts>,
-    /// The shares. Their number is [`SHARES`].
+    /// Sums of products of each share (group of samples), [`SHARES`] entries.
     pub(super) shares: Vec<Share>,
 }
 
@@ -111,7 +111,7 @@ pub(super) struct Share {
     pub(super) joints: Vec<JointSums>,
 }
 
-/// Sums of one joint.
+/// Sums of products of one joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct JointSums {
     /// Σ w, with the weights w of the samples.
@@ -214,7 +214,7 @@ impl LogMoments {
 }
 
 impl Doubt {
-    /// Key by which doubts are distinguished.
+    /// Joint and kind of a doubt, by which doubts are distinguished.
     pub(super) fn place(&self) -> (Option<u32>, &str) {
         (self.joint, &self.kind)
     }

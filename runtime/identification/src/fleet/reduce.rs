@@ -153,7 +153,7 @@ fn doubts(estimate: &Estimate, log: &ReducedLog) -> Vec<Doubt> {
 struct Fitted<'a> {
     runs: &'a [PreparedRun],
     estimate: &'a Estimate,
-    /// Residuals `[run][joint][sample]` in units of the effort times B.
+    /// Residuals `[run][joint][sample]` in units of the effort times the input matrix B.
     residuals: Vec<Vec<Vec<f64>>>,
     weights: Vec<Vec<Vec<f64>>>,
     correlation: f64,
@@ -241,7 +241,7 @@ fn extreme(x: &[f64]) -> [f64; 2] {
     x.iter().fold([f64::MAX, f64::MIN], |[a, b], x| [a.min(*x), b.max(*x)])
 }
 
-/// Σ v², Σ v |v|, Σ t², Σ t |t| with t = tanh 20 v, for speeds in units of `scale`.
+/// Σ v², Σ v |v|, Σ t², Σ t |t| of the velocities v, with t = tanh 20 v, for speeds in units of `scale`.
 fn directions(velocities: &[f64], scale: f64) -> Result<[Exact; 4]> {
     let mut sums = [0.0; 4];
     for v in velocities.iter().map(|v| v / scale) {

@@ -15,11 +15,12 @@ use super::task::CommonTerms;
 use nalgebra::{DMatrix, DVector};
 
 impl Errors {
-    /// Errors that include effects that the residuals do not show. These effects are the covariance of the estimate of all
-    /// joints, if it is larger, and the changes of the estimate and of the law if the samples near rests and reversals are
-    /// left out.
+    /// Standard errors that include two effects that the residuals do not show. The first is the covariance
+    /// of the estimate of all joints, if it is larger. The second is the change of the estimate and of the
+    /// law if the samples near rests and reversals are left out.
     ///
-    /// - `common`: terms of the estimate of all joints, and P
+    /// - `common`: terms of the estimate of all joints, and the matrix that maps their coefficients to those
+    ///   of the law
     /// - `changes`: changes of the law itself
     pub(super) fn with_biases(
         mut self,

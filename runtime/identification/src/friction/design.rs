@@ -70,7 +70,7 @@ impl<'a> Design<'a> {
         &self.columns[term]
     }
 
-    /// `Θᵀ F`: products of some of the terms with the terms of another library, without offsets.
+    /// Products `Θᵀ F` of some of the terms (Θ) with the terms of another library (F), without offsets.
     pub(super) fn products(&self, terms: &[usize], other: &Library) -> Result<DMatrix<f64>> {
         let mut others = self.data.columns(other)?;
         if self.separate {

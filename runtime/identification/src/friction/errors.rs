@@ -29,6 +29,8 @@ pub(super) struct Errors {
 }
 
 impl Errors {
+    /// Errors of the coefficients for correlated residuals.
+    ///
     /// - `active`: indices of the chosen terms
     /// - `binding`: rows of active constraints. The combinations of coefficients that they fix count as known.
     pub(super) fn of_samples(
@@ -144,7 +146,8 @@ fn alone(design: &Design, term: usize, score: &[f64]) -> f64 {
     LongRun::of_sum(score, &design.runs).standard_error() / energy
 }
 
-/// `(ΘᵀΘ)⁻¹` of the active terms, within the subspace that active constraints leave, by orthogonal factorization.
+/// `(ΘᵀΘ)⁻¹` of the columns Θ of the active terms, within the subspace that active constraints leave, by
+/// orthogonal factorization.
 fn inverse_gram(design: &Design, active: &[usize], binding: &DMatrix<f64>) -> Result<DMatrix<f64>> {
     let (p, samples) = (active.len(), design.samples_of(active)?);
     let r = triangular_factor(&samples).view((0, 0), (p, p)).into_owned();

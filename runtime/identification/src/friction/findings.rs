@@ -69,9 +69,10 @@ impl<'a> Findings<'a> {
         self.add(POOR_LAW.found(message).help(remedy));
     }
 
-    /// Adds findings if a law needs more than the described effort at a speed that the joint may have but the data do not
-    /// contain. The finding is a warning. It is an error, which refuses the law, if the data contain only a small part of the
-    /// speeds or if the law needs several times the described effort.
+    /// Adds findings if a law needs more than the described effort at a speed that the joint may have but the
+    /// data do not contain. The finding is a warning. It is an error in two cases: the data contain only a
+    /// small part of the speeds, or the law needs several times the described effort. An error refuses the
+    /// law.
     ///
     /// - `fastest`: largest speed in the data
     ///

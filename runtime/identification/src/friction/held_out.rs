@@ -23,21 +23,24 @@ const NO_HELD_OUT: Rule = Rule::warning("no-held-out-error");
 /// Errors on folds to which the law was not fitted.
 #[derive(Debug, Clone)]
 pub(super) struct HeldOutErrors {
-    /// `Σ r²` and number of samples of each fold.
+    /// Sum of squared residuals Σ r² and number of samples of each fold.
     pub(super) folds: Vec<[f64; 2]>,
-    /// `Σ (τ − τ̄)²` over the folds.
+    /// `Σ (τ − τ̄)²` over the folds, with the torque τ and its mean τ̄.
     pub(super) total: f64,
 }
 
 impl HeldOutErrors {
-    /// `1 − (RSS + more) / (Σ (τ − τ̄)² + more)` with the residual sum of squares RSS; `None` if the torque never changes.
+    /// R² of the laws on held-out data, `1 − (RSS + more) / (Σ (τ − τ̄)² + more)`, with the residual sum of
+    /// squares RSS and the torque τ with the mean τ̄; `None` if the torque never changes.
+    ///
+    /// - `more`: sum of squares that outliers add
     pub(super) fn r_squared(&self, more: f64) -> Option<f64> {
         let residual: f64 = self.folds.iter().map(|[residual, _]| residual).sum();
         let total = self.total + more;
         (total > 0.0).then(|| 1.0 - (residual + more) / total)
     }
 
-    /// Mean over the folds of the mean squared error, and the standard error of this mean.
+    /// Mean squared error, averaged over the folds, and the standard error of the average.
     pub(super) fn error(&self) -> [f64; 2] {
         let errors = self.folds.iter().map(|[residual, samples]| residual / samples.max(1.0));
         mean_with_error(&errors.collect::<Vec<_>>())
@@ -50,7 +53,7 @@ impl HeldOutErrors {
 /// Each run keeps the offset of all its samples, even if a part of the run is held out. An offset belongs to a run, and a law
 /// cannot predict it.
 ///
-/// - `total`: `Σ (τ − τ̄)²` over the folds
+/// - `total`: `Σ (τ − τ̄)²` over the folds, with the torque τ and its mean τ̄
 /// - `selection`: method by which the terms of a law are chosen
 /// - `rows`: constraints of a law
 pub(super) fn held_out(
@@ -68,7 +71,8 @@ pub(super) fn held_out(
     }
 }
 
-/// Σ r² and number of samples of each fold, for laws that were chosen and fitted without the fold.
+/// Sum of squared residuals Σ r² and number of samples of each fold, for laws that were chosen and fitted
+/// without the fold.
 fn by_folds(folds: &[Moments], selection: &Selection, rows: Option<&DMatrix<f64>>) -> Result<Vec<[f64; 2]>> {
     let of_split = |split: Result<(Moments, &Moments)>| {
         let (training, fold) = split?;

@@ -31,6 +31,8 @@ pub(crate) struct JointSamples<'a> {
 }
 
 impl<'a> JointSamples<'a> {
+    /// Collects the samples of velocity and friction torque of a joint from prepared runs.
+    ///
     /// - `motions`: index of the motion of each run; `None` if runs do not repeat motions
     pub(crate) fn new(
         joint: usize,

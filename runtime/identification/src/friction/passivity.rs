@@ -48,8 +48,9 @@ pub(super) fn passive(library: &Library, velocities: [f64; 2]) -> Result<DMatrix
     Ok(DMatrix::from_rows(&all))
 }
 
-/// Matrix A of the constraints `A ξ ≥ 0` beyond a speed `end`, for factors c > 1: `τ(c·end)` has the sign of the speed, and
-/// its magnitude is at most [`levels::MOST_GROWTH`]` c` times that of `τ(end)`.
+/// Matrix A of the constraints `A ξ ≥ 0` on the coefficients ξ beyond a speed `end`, for factors c > 1: the
+/// torque `τ(c·end)` has the sign of the speed, and its magnitude is at most [`levels::MOST_GROWTH`]` c`
+/// times that of `τ(end)`.
 fn rows_beyond(library: &Library, end: f64) -> Result<DMatrix<f64>> {
     let speeds: Vec<f64> = beyond().map(|factor| factor * end).collect();
     let signs = passivity_rows(library, &speeds)?;
@@ -63,10 +64,10 @@ fn rows_beyond(library: &Library, end: f64) -> Result<DMatrix<f64>> {
     Ok(DMatrix::from_rows(&all))
 }
 
-/// The given solution, or the constrained least-squares solution if the given one violates the constraints; and the active
-/// constraints.
+/// Returns the given solution, or the constrained least-squares solution if the given one violates the
+/// constraints. Also returns the active constraints.
 ///
-/// - `rows`: matrix A of the constraints `A ξ ≥ 0`; `None` if there are no constraints
+/// - `rows`: matrix A of the constraints `A ξ ≥ 0` on the coefficients ξ; `None` if there are no constraints
 pub(super) fn restrict(
     reduced: &Reduced,
     free: Solution,

@@ -13,21 +13,21 @@ use gelenk_findings::digits::plain;
 /// Rule that chooses the weight λ of the LASSO's penalty from the errors on held-out blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LambdaChoice {
-    /// The λ with the least error on held-out blocks.
+    /// The weight λ of the penalty with the least error on held-out blocks.
     Minimum,
-    /// The largest λ whose error exceeds the least error by at most one standard error.
+    /// The largest weight λ of the penalty whose error exceeds the least error by at most one standard error.
     OneStandardError,
 }
 
 /// Method by which a friction law is identified.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FrictionMethod {
-    /// Least squares on all terms of the library.
+    /// Least squares on all candidate terms.
     LeastSquares,
     /// Sequentially thresholded least squares (STLS, as in SINDy).
     Thresholding(Thresholding),
-    /// LASSO with 100 weights λ of the penalty, of which cross-validation on contiguous blocks chooses one; then least squares
-    /// on the chosen terms.
+    /// LASSO with 100 weights λ of the penalty. Cross-validation on contiguous blocks chooses one weight, and
+    /// least squares is applied to the chosen terms.
     Lasso(Lasso, LambdaChoice),
     /// The subset with the fewest terms whose error on held-out blocks exceeds the least error by at most one standard error.
     /// The library must have at most twelve terms.
@@ -84,13 +84,14 @@ impl Selection {
     }
 }
 
-/// The solution, refitted with the terms that its terms require.
+/// The solution, refitted with further terms that its terms require: an asymmetry `|f(v)|` requires `f(v)`.
 fn completed(solution: Solution, reduced: &Reduced) -> Result<Solution> {
     let active = with_needed(solution.active.clone(), reduced);
     if active == solution.active { Ok(solution) } else { reduced.fit(0, &active) }
 }
 
-/// A set of terms, extended by the terms that its terms require ([`requirements`]).
+/// A set of terms, extended by the terms that they require: an asymmetry `|f(v)|` requires `f(v)`
+/// ([`requirements`]).
 fn with_needed(mut active: Vec<usize>, reduced: &Reduced) -> Vec<usize> {
     for requirement in requirements(reduced.moments().names()) {
         if active.contains(&requirement.term) && !active.contains(&requirement.needs) {

@@ -137,8 +137,8 @@ impl<'a> Attempt<'a> {
         Ok(FrictionReport { condition: fit.condition, covariance: errors.covariance, ..report })
     }
 
-    /// Errors of the parameters. As for a law of terms, they include errors of the estimate of all joints, and the change if
-    /// the samples near rests and reversals are left out.
+    /// Errors of the parameters. They include errors of the estimate of all joints. They also include the
+    /// change if the samples near rests and reversals are left out.
     fn errors(&self) -> Result<Errors> {
         let Self { samples, fit, findings, .. } = self;
         let data = findings.data;

@@ -54,13 +54,13 @@ impl<'a> FrictionData<'a> {
 /// Friction terms of the estimate of all joints ([`crate::estimation`]).
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CommonTerms {
-    /// Terms in the velocity `v`.
+    /// Friction terms as expressions in the velocity `v`.
     pub(crate) bases: Vec<String>,
-    /// Changes of the coefficients if the samples near rests and reversals are left out.
+    /// Changes of the terms' coefficients if the samples near rests and reversals are left out.
     pub(crate) margins: DVector<f64>,
-    /// Covariance of the coefficients.
+    /// Covariance of the terms' coefficients.
     pub(crate) covariance: DMatrix<f64>,
-    /// Degrees of freedom of the covariance.
+    /// Degrees of freedom of the coefficients' covariance.
     pub(crate) freedom: f64,
 }
 

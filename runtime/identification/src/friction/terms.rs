@@ -70,10 +70,10 @@ pub(super) struct Candidates<'a> {
 /// Terms that were chosen, fitted under the constraints.
 pub(super) struct Fitted {
     chosen: Chosen,
-    /// Matrix A of the constraints `A ξ ≥ 0`; `None` if the law need not be passive.
+    /// Matrix A of the constraints `A ξ ≥ 0` on the coefficients ξ; `None` if the law need not be passive.
     rows: Option<DMatrix<f64>>,
     pub(super) solution: Solution,
-    /// The active constraints.
+    /// Rows of the constraint matrix at which the solution lies on the boundary.
     pub(super) binding: DMatrix<f64>,
 }
 
@@ -123,7 +123,8 @@ pub(super) fn probabilities(reduced: &Reduced, errors: &Errors) -> Result<Option
 }
 
 impl Fitted {
-    /// Rule for the choice of terms, and constraints. The law can be identified again with them on other moments.
+    /// Rule that chose the terms, and constraints of the fit, from which a law can be identified on other
+    /// moments.
     pub(super) fn way(&self) -> (&Selection, Option<&DMatrix<f64>>) {
         (&self.chosen.selection, self.rows.as_ref())
     }

@@ -24,14 +24,14 @@ const THINNEST: f64 = 1e-12;
 /// minimum.
 pub(crate) const TOLERANCE: f64 = 1e-8;
 
-/// `minimize ½ xᵀ H x − gᵀ x` over physically possible bodies.
+/// Convex program `minimize ½ xᵀ H x − gᵀ x` over the parameters x of physically possible bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ConsistentProblem {
     /// Matrix H of the objective `½ xᵀ H x − gᵀ x`, `n × n`, symmetric and positive definite up to rounding.
     pub hessian: DMatrix<f64>,
-    /// Vector g of the objective, n entries.
+    /// Vector g of the objective `½ xᵀ H x − gᵀ x`, n entries.
     pub linear: DVector<f64>,
-    /// Number of bodies. The first `10 · bodies` entries of x are their parameters.
+    /// Number of bodies. The first `10 · bodies` entries of the unknown x are their inertial parameters.
     pub bodies: usize,
     /// Indices of other entries that must not be negative, for example rotor inertias and viscous friction.
     pub nonnegative: Vec<usize>,

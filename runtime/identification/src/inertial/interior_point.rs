@@ -1,13 +1,14 @@
 //! Primal-dual interior-point method for a quadratic function over positive semidefinite 4 × 4 blocks.
 //!
-//! The problem is `minimize ½ uᵀ H u − gᵀ u`. The first `10 · blocks` entries of u are symmetric 4 × 4 matrices `S ⪰ 0`. The
-//! ten entries of a matrix are its diagonal, then the entries above the diagonal times √2, so that scalar products of vectors
-//! equal scalar products of matrices. The entries with the indices `scalars` are ≥ 0. All other entries are free. The solution
-//! and the multipliers z of the cones satisfy `H u − g − z = 0`, `z ⪰ 0` and `uᵀ z = 0`, and z is zero for the free entries.
+//! The problem is `minimize ½ uᵀ H u − gᵀ u`. The first `10 · blocks` entries of u are symmetric 4 × 4
+//! matrices `S ⪰ 0`. The ten entries of a matrix are its diagonal, then the entries above the diagonal times
+//! √2. Scalar products of vectors therefore equal scalar products of matrices. The entries with the indices
+//! `scalars` are ≥ 0. All other entries are free. The solution and the multipliers z of the cones satisfy `H
+//! u − g − z = 0`, `z ⪰ 0` and `uᵀ z = 0`, and z is zero for the free entries.
 //!
-//! Each iteration linearizes `S Z = μ 1` in the scaling of Nesterov and Todd (1998), in which S and Z are the same diagonal
-//! matrix Λ, with predictor and corrector (Mehrotra 1992). The steps of u and z have the same length, as a quadratic objective
-//! requires.
+//! Each iteration linearizes `S Z = μ 1` in the scaling of Nesterov and Todd (1998), in which S and Z are the
+//! same diagonal matrix Λ. It has a predictor and a corrector (Mehrotra 1992). The steps of u and z have the
+//! same length, as a quadratic objective requires.
 
 use crate::numeric::spectrum;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix4, Vector4};
@@ -28,8 +29,8 @@ const TARGET: f64 = 1e-13;
 /// Largest number of iterations. Ten to thirty are usual.
 const LIMIT: usize = 100;
 
-/// Number that is added to the diagonal of free entries in the linear equations only. An entry that H does not determine then
-/// stays the same.
+/// Number that is added to the diagonal of free entries in the linear equations only. An entry that the
+/// Hessian does not determine then stays the same.
 const STATIC: f64 = 1e-14;
 
 /// A problem whose entries have sizes near one.
@@ -40,14 +41,16 @@ pub(super) struct Cone<'a> {
     pub scalars: &'a [usize],
 }
 
-/// A point inside the cones, with its multipliers.
+/// A point u inside the cones, with its multipliers z.
 #[derive(Debug, Clone)]
 pub(super) struct Point {
     pub u: DVector<f64>,
     pub z: DVector<f64>,
-    /// `uᵀ z`. The objective exceeds its minimum at most by this value, up to the residual.
+    /// Gap `uᵀ z` of the point u and its multipliers z. The objective exceeds its minimum at most by this
+    /// value, up to the residual.
     pub gap: f64,
-    /// Largest entry of `H u − g − z`, each divided by one plus the size of its terms.
+    /// Largest entry of the optimality condition's residual `H u − g − z`, each divided by one plus the size
+    /// of its terms. H and g are the Hessian and the linear term of the objective, and z are the multipliers.
     pub residual: f64,
     pub iterations: usize,
 }
@@ -58,8 +61,9 @@ impl Point {
         self.gap.max(self.residual)
     }
 
-    /// Length of a step. If the gap would increase at the end of the step, the step is shortened to the smallest gap. Because
-    /// of `Δuᵀ Δz = Δuᵀ H Δu > 0`, longer steps would circle the solution (Curtis and Nocedal 2007).
+    /// Length of a step Δu, Δz. If the gap would increase at the end of the step, the step is shortened to
+    /// the smallest gap. Because of `Δuᵀ Δz = Δuᵀ H Δu > 0`, longer steps would circle the solution (Curtis
+    /// and Nocedal 2007).
     fn shortened(&self, length: f64, Direction { u, z, .. }: &Direction) -> f64 {
         let (slope, curvature) = (self.u.dot(z) + self.z.dot(u), u.dot(z));
         let raises = slope < 0.0 && slope + length * curvature > 0.0;
@@ -87,14 +91,16 @@ pub(super) fn entries(s: &Matrix4<f64>) -> [f64; BLOCK] {
     )
 }
 
-/// Scaling R of one block, `R⁻¹ S R⁻ᵀ = Rᵀ Z R = Λ`, stored as R⁻¹.
+/// Scaling R of a block S and its multipliers Z, `R⁻¹ S R⁻ᵀ = Rᵀ Z R = Λ` with a diagonal matrix Λ. R is
+/// stored as R⁻¹.
 struct Scaling {
     inverse: Matrix4<f64>,
     lambda: Vector4<f64>,
 }
 
 impl Scaling {
-    /// The scaling from Cholesky factors of S and Z and one singular value decomposition; `None` on the boundary.
+    /// The scaling from Cholesky factors of a block S and its multipliers Z, and one singular value
+    /// decomposition; `None` on the boundary.
     fn new(s: &Matrix4<f64>, z: &Matrix4<f64>) -> Option<Self> {
         let (ls, lz) = (s.cholesky()?.unpack(), z.cholesky()?.unpack());
         let svd = spectrum::svd(lz.transpose() * ls);
@@ -106,23 +112,23 @@ impl Scaling {
         Some(Self { inverse: root * u.transpose() * lz.transpose(), lambda })
     }
 
-    /// `R⁻ᵀ E R⁻¹`: multipliers of a scaled matrix E.
+    /// `R⁻ᵀ E R⁻¹`: multipliers of a scaled matrix E, with the scaling R.
     fn to_multipliers(&self, e: &Matrix4<f64>) -> Matrix4<f64> {
         self.inverse.transpose() * e * self.inverse
     }
 
-    /// `R⁻¹ S R⁻ᵀ`.
+    /// `R⁻¹ S R⁻ᵀ`: the scaled matrix of a block S, with the scaling R.
     fn of_primal(&self, s: &Matrix4<f64>) -> Matrix4<f64> {
         self.inverse * s * self.inverse.transpose()
     }
 
-    /// E with `½ (Λ E + E Λ) = target`.
+    /// Solves `½ (Λ E + E Λ) = target` for E, with the diagonal matrix Λ of the scaled block.
     fn divided(&self, target: &Matrix4<f64>) -> Matrix4<f64> {
         let l = &self.lambda;
         Matrix4::from_fn(|i, j| 2.0 * target[(i, j)] / (l[i] + l[j]))
     }
 
-    /// Matrix of `S ↦ W⁻¹ S W⁻¹` with `W⁻¹ = R⁻ᵀ R⁻¹`, for the entries of a block.
+    /// Matrix of the map `S ↦ W⁻¹ S W⁻¹` of a block S, with `W⁻¹ = R⁻ᵀ R⁻¹` and the scaling R.
     fn curvature(&self) -> [[f64; BLOCK]; BLOCK] {
         let w = self.inverse.transpose() * self.inverse;
         std::array::from_fn(|k| {
@@ -132,7 +138,7 @@ impl Scaling {
         })
     }
 
-    /// Longest step α with `Λ + α D ⪰ 0`.
+    /// Longest step α of the scaled block Λ in the direction D: `Λ + α D ⪰ 0`.
     fn longest(&self, d: &Matrix4<f64>) -> f64 {
         let l = &self.lambda;
         let scaled = Matrix4::from_fn(|i, j| 0.5 * (d[(i, j)] + d[(j, i)]) / (l[i] * l[j]).sqrt());
@@ -140,19 +146,21 @@ impl Scaling {
     }
 }
 
-/// Longest step α with `1 + α d ≥ 0`.
+/// Longest step α of a scalar entry in the relative direction d: `1 + α d ≥ 0`.
 fn longest(d: f64) -> f64 {
     if d < 0.0 { -1.0 / d } else { f64::INFINITY }
 }
 
-/// The factored equations of one iteration: scalings of all cones, and `H + G` with the curvature G of the cones.
+/// The factored equations of one iteration: scalings of all cones, and `H + G` with the Hessian H and the
+/// curvature G of the cones.
 struct Newton<'a> {
     cone: &'a Cone<'a>,
     scalings: Vec<Scaling>,
     /// `√(s z)` and `√(s / z)` of each scalar entry s with its multiplier z.
     scalars: Vec<(f64, f64)>,
     factor: Cholesky<f64, Dyn>,
-    /// Residual `H u − g − z` of the optimality condition.
+    /// Residual `H u − g − z` of the optimality condition, with the objective `½ uᵀ H u − gᵀ u` and the
+    /// multipliers z.
     residual: DVector<f64>,
 }
 
@@ -163,7 +171,7 @@ struct Targets {
     scalars: Vec<f64>,
 }
 
-/// A direction, with its scaled parts of S and Z.
+/// A step of the point u and its multipliers z, with the scaled steps of the blocks and scalars.
 struct Direction {
     u: DVector<f64>,
     z: DVector<f64>,
@@ -197,7 +205,8 @@ impl<'a> Newton<'a> {
         Some(Self { cone, scalings, scalars, factor: Cholesky::new(matrix)?, residual })
     }
 
-    /// Solves `H Δu − Δz = −residual`, `Λ ∘ (ΔŜ + ΔẐ) = target`.
+    /// Solves `H Δu − Δz = −residual`, `Λ ∘ (ΔŜ + ΔẐ) = target` for the steps Δu and Δz of the point and its
+    /// multipliers. ΔŜ and ΔẐ are the scaled steps, and Λ is the scaled point.
     fn direction(&self, target: &Targets) -> Direction {
         let pairs = self.scalings.iter().zip(&target.blocks);
         let divided: Vec<Matrix4<f64>> = pairs.map(|(scaling, t)| scaling.divided(t)).collect();
@@ -227,7 +236,7 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// Scaled matrices of a primal step.
+    /// Scaled steps of the blocks and scalars for a step `u` of the point.
     fn primal(&self, u: &DVector<f64>) -> Targets {
         let blocks = self.scalings.iter().enumerate();
         let scalars = self.cone.scalars.iter().zip(&self.scalars);
@@ -237,7 +246,7 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// `−Λ²`: targets of the predictor.
+    /// Targets of the predictor, `−Λ²` with the scaled point Λ.
     fn predictor(&self) -> Targets {
         Targets {
             blocks: self.scalings.iter().map(|s| Matrix4::from_diagonal(&s.lambda.map(|x| -x * x))).collect(),
@@ -245,9 +254,10 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// `σ μ 1 − Λ² − α ΔŜ ∘ ΔẐ` with the predictor's direction and its step α: targets of the corrector. The whole
-    /// correction for a short step would lead away from the central path, and the iteration could cycle (Colombo and Gondzio
-    /// 2008).
+    /// Targets of the corrector, `σ μ 1 − Λ² − α ΔŜ ∘ ΔẐ`. Λ is the scaled point, μ the mean gap, σ the
+    /// centring factor, α the step of the predictor, and ΔŜ, ΔẐ are the predictor's scaled steps. The whole
+    /// correction for a short step would lead away from the central path, and the iteration could cycle
+    /// (Colombo and Gondzio 2008).
     fn corrector(&self, affine: &Direction, centre: f64, length: f64) -> Targets {
         let mut target = self.predictor();
         for ((t, s), z) in target.blocks.iter_mut().zip(&affine.primal.blocks).zip(&affine.dual.blocks) {
@@ -291,7 +301,8 @@ impl Cone<'_> {
         }
     }
 
-    /// `H u − g − z`, and the largest of its entries, each divided by one plus the size of its terms.
+    /// Residual `H u − g − z` of the optimality condition at the point u with the multipliers z, and its
+    /// largest entry. For the largest entry, each entry is divided by one plus the size of its terms.
     fn residual(&self, u: &DVector<f64>, z: &DVector<f64>) -> (DVector<f64>, f64) {
         let product = self.hessian * u;
         let sizes = self.hessian.abs() * u.abs();

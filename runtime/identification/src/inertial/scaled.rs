@@ -17,9 +17,9 @@ const UNSEEN: f64 = 1e-24;
 /// Share of the diagonal that is added to a Hessian that rounding made indefinite.
 const ROUNDING: f64 = 1e-9;
 
-/// Weight of the scaled distance from a body of unit sizes in the objective. If H determines the body, this term has the size
-/// of rounding. If H does not determine the body, the multipliers would have no interior without this term, and the iteration
-/// would stop early.
+/// Weight of the scaled distance from a body of unit sizes in the objective. If the Hessian determines the
+/// body, this term has the size of rounding. If the Hessian does not determine the body, the multipliers
+/// would have no interior without this term, and the iteration would stop early.
 const PULL: f64 = 1e-12;
 
 type Block = SMatrix<f64, PER_BODY, BLOCK>;
@@ -33,7 +33,8 @@ pub(super) struct Scaled {
     sizes: Vec<f64>,
 }
 
-/// Matrix that maps the entries of a body's S to its ten parameters, `J = T S T`.
+/// Matrix that maps the entries of a body's scaled pseudo-inertia S to its ten parameters. The pseudo-inertia
+/// is `J = T S T` with the diagonal matrix T of the sizes.
 fn parameters_of_block(sizes: &Vector4<f64>) -> Block {
     let mut map = Block::zeros();
     for (k, &(r, c)) in PLACES.iter().enumerate() {
@@ -47,7 +48,8 @@ fn parameters_of_block(sizes: &Vector4<f64>) -> Block {
     map
 }
 
-/// Sizes T of a body, by least squares over the logarithms of H's diagonal in the entries of J.
+/// Diagonal matrix T of a body's sizes, by least squares over the logarithms of the Hessian's diagonal in the
+/// entries of the pseudo-inertia.
 fn balance(curvature: &[f64; BLOCK], largest: f64) -> Vector4<f64> {
     let (mut a, mut b) = (Matrix4::identity() * 1e-6, Vector4::zeros());
     for (&(r, c), &h) in PLACES.iter().zip(curvature).filter(|(_, h)| **h > UNSEEN * largest) {
@@ -85,7 +87,8 @@ impl Scaled {
         scaled
     }
 
-    /// `Tᵀ H T` and `Tᵀ g`, block by block.
+    /// Computes the scaled Hessian `Tᵀ H T` and linear term `Tᵀ g` of the objective `½ xᵀ H x − gᵀ x`, block
+    /// by block, for x = T u with the scaled entries u.
     fn transform(&mut self, problem: &ConsistentProblem) {
         let mut right = problem.hessian.clone();
         let (bodies, others) = (self.blocks.len(), PER_BODY * self.blocks.len());
@@ -109,7 +112,7 @@ impl Scaled {
         self.linear = self.gradient(&problem.linear);
     }
 
-    /// `Tᵀ g`.
+    /// Scaled linear term `Tᵀ g` of the objective, from the linear term g and the sizes T.
     fn gradient(&self, g: &DVector<f64>) -> DVector<f64> {
         let mut scaled = g.clone();
         for (b, block) in self.blocks.iter().enumerate() {
@@ -135,7 +138,8 @@ impl Scaled {
         self.pull();
     }
 
-    /// Adds `½ · PULL · ‖u − unit bodies‖²` to the objective.
+    /// Adds `½ · PULL · ‖u − unit bodies‖²` to the objective, with the scaled entries u and the largest
+    /// diagonal entry of the Hessian as a factor.
     fn pull(&mut self) {
         let share = PULL * self.hessian.diagonal().amax().max(f64::MIN_POSITIVE);
         for i in 0..self.linear.len() {
@@ -160,7 +164,8 @@ impl Scaled {
     }
 }
 
-/// `gᵀ H⁻¹ g`, with a share of the diagonal that makes H definite.
+/// Twice the decrease of the objective from zero to its minimum, `gᵀ H⁻¹ g` with the Hessian H and the linear
+/// term g. A share of the diagonal is added to H, which makes H definite.
 fn free_gain(h: &DMatrix<f64>, g: &DVector<f64>) -> f64 {
     let mut definite = h.clone();
     let share = ROUNDING * h.diagonal().amax().max(f64::MIN_POSITIVE);

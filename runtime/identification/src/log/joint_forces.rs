@@ -11,13 +11,14 @@ pub(super) fn move_to_joints(run: &mut Run, robot: &dyn Robot) {
     }
 }
 
-/// Returns the joint forces `B(y) u` of all samples, one column for each joint. The column of a joint is NaN if an input
-/// that acts on the joint was not measured in all samples, or if the joint is moved from outside.
+/// Returns the joint forces `B(y) u` of all samples, one column for each joint. The column of a joint is NaN
+/// in two cases: an input that acts on the joint was not measured in all samples, or the joint is moved from
+/// outside.
 ///
 /// The lever arms are computed from the measured positions, so they contain the noise of the positions.
 ///
-/// - `positions`: y, one column for each entry, including the entries of quaternions
-/// - `inputs`: u, one column for each input
+/// - `positions`: positions y, one column for each entry, including the entries of quaternions
+/// - `inputs`: inputs u, one column for each input
 pub(super) fn forces_of_inputs(
     positions: &[Vec<f64>],
     inputs: &[Vec<f64>],

@@ -17,8 +17,9 @@ levels! {
     /// Smallest share of samples at an extreme value for which efforts count as cut off.
     CUT_OFF_SHARE: f64 = 0.01;
 
-    /// Smallest ratio of the number of samples at a limit to the number at the next value. The ratio is large because a
-    /// coarse sensor has many samples at each value, and a wave has more samples at its crest than next to it.
+    /// Smallest ratio of the number of samples at a limit to the number at the next value. The ratio is large
+    /// for two reasons. A coarse sensor has many samples at each value, and a wave has more samples at its
+    /// crest than next to it.
     MORE_THAN_BESIDE: usize = 8;
 
     /// Smallest share of pauses among the time steps if rows come in bursts.

@@ -62,7 +62,7 @@ pub fn runs(paths: &[PathBuf], robot: &dyn Robot, columns: &ColumnOptions) -> Re
     runs_noting(paths, robot, columns, &mut Vec::new())
 }
 
-/// Implements [`runs`].
+/// Reads logs as [`runs`] does, and also returns the findings that precede an error.
 ///
 /// - `findings`: receives the findings, also those before an error
 pub(crate) fn runs_noting(
@@ -170,7 +170,7 @@ pub fn guess_columns(path: &Path, robot: &dyn Robot, columns: &ColumnOptions) ->
     guess_columns_of(&bytes_of(path)?, &source, robot, columns)
 }
 
-/// Implements [`guess_columns`] for bytes in memory.
+/// Finds the columns of a log as [`guess_columns`] does, from bytes in memory.
 pub(super) fn guess_columns_of(
     bytes: &[u8],
     source: &str,
@@ -199,6 +199,8 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).map_err(|e| fault(e.to_string()))
 }
 
+/// Reads a recording from the bytes of a file.
+///
 /// - `findings`: receives the findings, also before an error
 fn read_bytes(
     bytes: &[u8],

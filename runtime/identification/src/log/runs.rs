@@ -53,7 +53,7 @@ pub(super) struct Samples {
     times: Vec<i128>,
     /// Row of each sample in the file, as in an editor.
     lines: Vec<usize>,
-    /// Index of each sample's run in `names`.
+    /// Index of each sample's run in the list of run names.
     labels: Vec<usize>,
     names: Vec<String>,
     numbers: BTreeMap<String, usize>,
@@ -66,7 +66,7 @@ pub(super) struct Samples {
 struct Gaps {
     count: usize,
     rows: Option<(usize, usize)>,
-    /// The first of these fields that contains text; `None` if there is no text.
+    /// First field of the column that contains text; `None` if there is no text.
     text: Option<String>,
     /// Number of rows whose field is text but not a number.
     unread: usize,

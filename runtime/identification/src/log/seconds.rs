@@ -9,8 +9,8 @@ use gelenk_findings::{Finding, Rule};
 /// Fixture: `epoch_times_keep_their_digits` in `log/tests/styles.rs`.
 pub(super) const UNIT_ASSUMED: Rule = Rule::note("unit-assumed");
 
-/// Returns the value in s of the unit of times whose unit is not named. It assumes a sampling rate of 5 Hz to 20 kHz. If
-/// the unit is not s, it also returns a message.
+/// Returns the value in s of the unit of times whose unit is not named. Steps up to 0.2 are in s, steps below 100 in ms,
+/// steps below 1e5 in µs, and longer steps in ns. If the unit is not s, it also returns a message.
 ///
 /// - `step`: median time step in 10⁻¹² of the unit
 pub(super) fn assumed_unit(step: i128) -> (f64, Option<String>) {

@@ -15,16 +15,16 @@ pub(super) struct Sheet<'a> {
     pub units: Vec<Option<String>>,
     /// Number of fields in a row of numbers.
     pub width: usize,
-    /// Field separator.
+    /// Character that separates the fields.
     pub separator: u8,
-    /// Decimal sign.
+    /// Decimal sign of the numbers.
     pub decimals: Decimals,
     /// Fields of the first row of numbers, for messages and for names of joints.
     pub first: Vec<String>,
     /// Fields of several rows at the beginning of the numbers.
     pub sample: Vec<Vec<String>>,
     body: Cow<'a, [u8]>,
-    /// Line of the body's first row, counted from 1.
+    /// Line of the first row of numbers, counted from 1.
     line: usize,
 }
 

@@ -22,7 +22,7 @@ const FEWEST_BLOCKS: usize = 12;
 /// Statistics of the sum of a correlated series.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LongRun {
-    /// Variance of the sum.
+    /// Variance of the sum of the series.
     pub variance: f64,
     /// Length of the blocks, in samples, that give the variance. Samples at a larger distance are hardly correlated.
     pub block: usize,

@@ -1,7 +1,9 @@
-//! Least squares with linear inequalities, for example nonnegative viscous friction or passivity τ·v ≥ 0.
+//! Least squares with linear inequalities, for example nonnegative viscous friction, or passivity τ·v ≥ 0 of
+//! a friction torque τ at a velocity v.
 //!
-//! The problem `min ‖y − Θ ξ‖²` subject to `A ξ ≥ 0` is transformed to a least-distance problem, which is transformed to a
-//! nonnegative least-squares problem (Lawson and Hanson 1974, ch. 23). ξ = 0 is always feasible.
+//! The problem `min ‖y − Θ ξ‖²` subject to `A ξ ≥ 0` has the target y, the columns Θ of the terms and the
+//! coefficients ξ. It is transformed to a least-distance problem, which is transformed to a nonnegative
+//! least-squares problem (Lawson and Hanson 1974, ch. 23). ξ = 0 is always feasible.
 
 use super::super::error::{IdentificationError, Result, require_length};
 use super::super::numeric::spectrum;
@@ -10,14 +12,15 @@ use super::library::Library;
 use super::moments::Moments;
 use nalgebra::{DMatrix, DVector};
 
-/// Returns rows of `A` for the condition that the coefficients of `terms` are nonnegative.
+/// Returns the matrix A of the constraints `A ξ ≥ 0` for which the coefficients ξ of `terms` are nonnegative.
 ///
 /// - `count`: number of all terms
 pub(crate) fn nonnegative_rows(terms: &[usize], count: usize) -> DMatrix<f64> {
     DMatrix::from_fn(terms.len(), count, |i, j| if terms[i] == j { 1.0 } else { 0.0 })
 }
 
-/// Returns rows of `A` for the condition that friction dissipates at the given velocities: `sign(vₖ) θ(vₖ) ξ ≥ 0`.
+/// Returns the matrix A of the constraints `A ξ ≥ 0` for which friction dissipates at the given velocities
+/// vₖ: `sign(vₖ) θ(vₖ) ξ ≥ 0` with the terms θ and their coefficients ξ.
 ///
 /// Between these velocities the law may still drive the joint. Therefore their distance must be small enough for the
 /// steepest term.
@@ -35,7 +38,7 @@ pub(crate) fn passivity_rows(library: &Library, velocities: &[f64]) -> Result<DM
     Ok(theta)
 }
 
-/// Solves least squares on the terms `active` subject to `A ξ ≥ 0`. Returns all p coefficients.
+/// Solves least squares on the terms `active` subject to `A ξ ≥ 0`. Returns the coefficients ξ of all terms.
 ///
 /// - `rows`: matrix A, one row for each inequality and one column for each term
 ///
@@ -53,16 +56,17 @@ pub(crate) fn constrained_fit(
     constrained(reduced.moments(), reduced.solve(target, active, 0.0)?, active, rows)
 }
 
-/// Largest violation of `A ξ ≥ 0` that counts as rounding, as a share of the largest coefficient.
+/// Largest violation of the constraints `A ξ ≥ 0` that counts as rounding, as a share of the largest
+/// coefficient ξ.
 const ROUNDING: f64 = 1e-9;
 
-/// Returns whether coefficients violate `A ξ ≥ 0`.
+/// Returns whether coefficients ξ violate the constraints `A ξ ≥ 0`.
 pub(crate) fn breaks(rows: &DMatrix<f64>, coefficients: &DVector<f64>) -> bool {
     (rows * coefficients).min() < -ROUNDING * coefficients.amax()
 }
 
-/// Computes the constrained solution from the unconstrained one. The result is the feasible point that is nearest to the
-/// unconstrained solution in the metric of `ΘᵀΘ`.
+/// Computes the constrained solution from the unconstrained one. The result is the feasible point that is
+/// nearest to the unconstrained solution in the metric `ΘᵀΘ` of the terms' columns Θ.
 ///
 /// # Errors
 /// [`IdentificationError::Collinear`] if terms are collinear, [`IdentificationError::NotConverged`] if the iteration does
@@ -93,7 +97,8 @@ pub(crate) fn constrained(
     Ok(coefficients)
 }
 
-/// Returns the rows of `A` that are active at ξ: `aᵢ ξ = 0` up to rounding.
+/// Returns the rows of the constraints `A ξ ≥ 0` that are active at the coefficients ξ: `aᵢ ξ = 0` up to
+/// rounding.
 pub(crate) fn face(rows: &DMatrix<f64>, coefficients: &DVector<f64>) -> DMatrix<f64> {
     let binds = |i: &usize| {
         let terms = rows.row(*i).transpose().component_mul(coefficients);
@@ -103,7 +108,7 @@ pub(crate) fn face(rows: &DMatrix<f64>, coefficients: &DVector<f64>) -> DMatrix<
     rows.select_rows(&(0..rows.nrows()).filter(|i| binds(i) && !all_zero(i)).collect::<Vec<_>>())
 }
 
-/// Minimizes `‖z‖` subject to `E z ≥ f`. The problem must be feasible.
+/// Minimizes `‖z‖` over vectors z with `E z ≥ f`. The problem must be feasible.
 fn least_distance(e: &DMatrix<f64>, f: &DVector<f64>) -> Result<DVector<f64>> {
     let (rows, n) = e.shape();
     if f.iter().all(|f| *f <= 0.0) {

@@ -12,20 +12,21 @@ use super::moments::{Moments, splits};
 /// Solutions of the LASSO for several weights λ of the penalty, with their errors in cross-validation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrossValidation {
-    /// Solutions for all samples. Their λ follow the convention of [`super::lasso`].
+    /// Solutions for all samples. λ has the scale of glmnet and scikit-learn.
     pub path: LassoPath,
     /// Mean squared error on the held-out block, averaged over the folds, for each λ.
     pub mean_error: Vec<f64>,
     /// Standard error of [`Self::mean_error`] over the folds, for each λ.
     pub standard_error: Vec<f64>,
-    /// Index of the λ with the smallest error.
+    /// Index of the weight λ with the smallest error.
     pub minimum: usize,
-    /// Index of the largest λ whose error exceeds the smallest error by at most one standard error.
+    /// Index of the largest weight λ whose error exceeds the smallest error by at most one standard error.
     pub one_standard_error: usize,
 }
 
 impl CrossValidation {
-    /// Computes the solutions for all values of λ, first on all samples, then for each fold on the samples outside this fold.
+    /// Computes the solutions for all weights λ of the penalty, first on all samples, then for each fold on
+    /// the samples outside the fold.
     ///
     /// - `folds`: moments of contiguous blocks, see [`Moments::blocks`]
     /// - `target`: index of the target column

@@ -93,9 +93,9 @@ impl Filter {
 /// A zero-phase low-pass filter `H(f) = 1/(1 + (f/f_0)^(2n))`. It is a Butterworth filter of order n that is applied
 /// forwards and backwards.
 ///
-/// For n = 1 and up to second order in f, this filter represents every filter whose gain first falls with f², for example a
-/// mean over the last samples or one pass of a first-order filter. For n = 2 and up to fourth order in f, it represents one
-/// pass of a second-order Butterworth filter.
+/// For n = 1 and up to second order in f, this filter represents every filter whose gain first falls with f².
+/// Examples are a mean over the last samples and one pass of a first-order filter. For n = 2 and up to fourth
+/// order in f, it represents one pass of a second-order Butterworth filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Band {
     /// Half-amplitude frequency f_0 in Hz.

@@ -17,7 +17,7 @@ pub(crate) struct Filtered<'a> {
     pub(crate) runs: Vec<FilteredRun<'a>>,
 }
 
-/// A run from which samples were taken.
+/// A run of which some samples are used in the fit.
 #[derive(Debug, Clone)]
 pub(crate) struct FilteredRun<'a> {
     /// Velocities ẏ at all times of the run, with equal time steps.

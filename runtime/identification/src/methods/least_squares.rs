@@ -25,8 +25,8 @@ pub(crate) enum Solver {
 #[derive(Debug, Clone)]
 pub struct Reduced {
     moments: Moments,
-    /// Upper triangular factor R of `[Θ | Y] = Q R`; `None` if the condition number is small enough for the normal
-    /// equations.
+    /// Upper triangular factor R of `[Θ | Y] = Q R`, with the columns Θ of the terms and the targets Y;
+    /// `None` if the condition number is small enough for the normal equations.
     triangle: Option<DMatrix<f64>>,
     condition: f64,
 }
@@ -103,7 +103,8 @@ impl Reduced {
         if self.triangle.is_some() { Solver::Orthogonal } else { Solver::NormalEquations }
     }
 
-    /// Minimizes `‖y − Θ ξ‖² + ridge ‖ξ‖²` over the terms `active`.
+    /// Minimizes `‖y − Θ ξ‖² + ridge ‖ξ‖²` over the coefficients ξ of the terms `active`, with the target y
+    /// and the columns Θ of these terms.
     ///
     /// # Errors
     /// [`IdentificationError::Shape`] if a term or the target is out of range, [`IdentificationError::Collinear`] if the
@@ -235,8 +236,8 @@ fn solve_triangular(
     qr.r().solve_upper_triangular(&right.rows(0, n).into_owned())
 }
 
-/// Returns the factor R of the Householder factorization of `[Θ | Y]`, a q × q matrix for q columns. It is computed block
-/// by block.
+/// Returns the factor R of the Householder factorization of `[Θ | Y]`, with the columns Θ of the terms and
+/// the targets Y. R is a q × q matrix for q columns, and is computed block by block.
 pub(crate) fn triangular_factor(samples: &Samples) -> DMatrix<f64> {
     let q = samples.names().len() + samples.targets();
     let mut r = DMatrix::<f64>::zeros(q, q);
@@ -248,7 +249,8 @@ pub(crate) fn triangular_factor(samples: &Samples) -> DMatrix<f64> {
     r
 }
 
-/// Returns the condition number of the first columns of R, scaled to unit length. Fails above [`COLLINEAR_LIMIT`].
+/// Returns the condition number of the terms' columns, scaled to unit length, from the triangular factor.
+/// Fails above [`COLLINEAR_LIMIT`].
 fn require_independent(triangle: &DMatrix<f64>, names: &[String]) -> Result<f64> {
     let p = names.len();
     let mut scaled = triangle.view((0, 0), (p, p)).into_owned();

@@ -44,7 +44,7 @@ impl Library {
     /// v in rad/s or m/s.
     ///
     /// # Errors
-    /// The errors are those of [`Self::new`]. They cannot occur, because the terms are valid.
+    /// The errors of [`Self::new`], which cannot occur because the terms are valid.
     pub fn friction() -> Result<Self> {
         Self::new(&["1", "v", "sign(v)", "tanh(5*v)", "tanh(10*v)", "tanh(20*v)", "tanh(100*v)"], &["v"])
     }
@@ -56,7 +56,7 @@ impl Library {
     /// 20v + b |tanh 20v|` depends on the direction in the same way. Unlike a constant, both terms are zero at rest.
     ///
     /// # Errors
-    /// The errors are those of [`Self::new`]. They cannot occur, because the terms are valid.
+    /// The errors of [`Self::new`], which cannot occur because the terms are valid.
     pub(crate) fn joint_friction() -> Result<Self> {
         let asymmetric = ["abs(v)", "abs(tanh(20*v))"].map(String::from);
         let terms: Vec<String> = Self::friction()?.terms.into_iter().chain(asymmetric).collect();
@@ -111,7 +111,7 @@ impl Library {
         self.program.workspace()
     }
 
-    /// Returns the matrix Θ, with one row for each sample and one column for each term.
+    /// Returns the matrix Θ of the terms' values, with one row for each sample and one column for each term.
     ///
     /// - `channels`: samples of each channel, in the order of the library's channels
     ///
@@ -125,7 +125,7 @@ impl Library {
     }
 }
 
-/// Returns the text of a smooth sign of the velocity, `tanh(k v)`.
+/// Returns the text of a smooth sign `tanh(k v)` of the velocity v.
 pub(crate) fn smooth_sign(factor: f64) -> String {
     format!("tanh({factor}*v)")
 }

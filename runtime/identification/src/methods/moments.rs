@@ -39,9 +39,9 @@ enum Regressors<'a> {
 impl<'a> Samples<'a> {
     /// Creates samples from stored columns.
     ///
-    /// - `names`: names of the columns of Θ
-    /// - `columns`: columns of Θ
-    /// - `targets`: columns of Y
+    /// - `names`: names of the terms
+    /// - `columns`: columns of the terms
+    /// - `targets`: columns of the targets
     ///
     /// # Errors
     /// [`IdentificationError::Empty`] if there are no samples, [`IdentificationError::Shape`] if lengths differ.
@@ -65,7 +65,7 @@ impl<'a> Samples<'a> {
     /// computed, so the matrix Θ of the terms is not stored.
     ///
     /// - `channels`: one column for each channel of `library`, in its order
-    /// - `targets`: columns of Y
+    /// - `targets`: columns of the targets
     ///
     /// # Errors
     /// [`IdentificationError::Empty`] if there are no samples, [`IdentificationError::Shape`] if the number of channels is
@@ -104,8 +104,8 @@ impl<'a> Samples<'a> {
         self.targets.len()
     }
 
-    /// Calls `visit` for blocks of at most 256 samples within `rows`. The arguments are the columns of Θ, followed by the
-    /// targets.
+    /// Calls `visit` for blocks of at most 256 samples within `rows`. The arguments are the columns of the
+    /// terms, followed by the targets.
     pub(crate) fn visit(&self, rows: Range<usize>, visit: &mut dyn FnMut(&[&[f64]])) {
         let mut workspace = match &self.regressors {
             Regressors::Library(library, _) => Some(library.workspace()),
@@ -169,7 +169,7 @@ impl Moments {
     /// Computes the sums over all samples.
     ///
     /// # Errors
-    /// - [`IdentificationError::NotFinite`]: a value is not finite; the error names its column and row
+    /// - [`IdentificationError::NotFinite`] with column and row: a value is not finite
     /// - [`IdentificationError::Overflow`]: squares overflow
     pub fn new(samples: &Samples) -> Result<Self> {
         Ok(Self::blocks(samples, 1)?.remove(0))
@@ -270,19 +270,19 @@ impl Moments {
         self.products.ncols() - self.names.len()
     }
 
-    /// Returns the Gram matrix ΘᵀΘ, which is p × p.
+    /// Returns the Gram matrix ΘᵀΘ of the terms' columns Θ.
     pub(crate) fn gram(&self) -> DMatrix<f64> {
         let p = self.terms();
         self.products.view((0, 0), (p, p)).into_owned()
     }
 
-    /// Returns the projection Θᵀy of one target y.
+    /// Returns the products Θᵀy of the terms' columns Θ with one target y.
     pub(crate) fn projection(&self, target: usize) -> DVector<f64> {
         let p = self.terms();
         self.products.view((0, p + target), (p, 1)).column(0).into_owned()
     }
 
-    /// Returns the energy yᵀy of one target y.
+    /// Returns the sum of squares yᵀy of one target y.
     pub(crate) fn energy(&self, target: usize) -> f64 {
         let i = self.terms() + target;
         self.products[(i, i)]

@@ -45,7 +45,7 @@ pub struct SubsetValidation {
 pub(crate) struct Requirement {
     /// Index of the term that needs another term.
     pub term: usize,
-    /// Index of the term that the first term needs.
+    /// Index of the term that must be in the law, too.
     pub needs: usize,
 }
 

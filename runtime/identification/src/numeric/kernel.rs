@@ -30,7 +30,7 @@ pub(crate) fn add_products(columns: &[&[f64]], sums: &mut [f64]) {
     }
 }
 
-/// `Σ aᵢ bᵢ` of two slices of the same length, in eight partial sums.
+/// Scalar product `Σ aᵢ bᵢ` of two slices of the same length, in eight partial sums.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     DVectorView::from_slice(a, a.len()).dot(&DVectorView::from_slice(b, b.len()))
 }
@@ -96,8 +96,8 @@ fn add_rest<const ROWS: usize>(
     }
 }
 
-/// This function must not be inlined. Otherwise its order of additions makes LLVM combine lanes of different sums in the
-/// loop above.
+/// Returns the sum of the lanes of each of four products. The function must not be inlined. Otherwise its
+/// order of additions makes LLVM combine lanes of different products in the loop of `tile`.
 #[inline(never)]
 fn horizontal_sums(lanes: &[[f64; LANES]; 4]) -> [f64; 4] {
     lanes.map(|[p, q, r, s, t, u, v, x]| ((p + q) + (r + s)) + ((t + u) + (v + x)))

@@ -18,7 +18,7 @@ pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// At each end, one value out of this number may be an outlier.
+/// Number of values per value that [`span`] leaves out at each end.
 const OUTLIERS: usize = 200;
 
 /// Returns the smallest and the largest value without the outermost 0.5 % at both ends; `None` if there are no values.
@@ -40,7 +40,7 @@ pub(crate) fn mean_with_error(values: &[f64]) -> [f64; 2] {
 /// smallest error by at most one standard error (Breiman 1984). Models are ordered from the simplest to the most complex.
 /// The result is `None` if there are no models.
 ///
-/// - `errors`: error of each model, and the standard error of this error
+/// - `errors`: error of each model, with its standard error
 pub(crate) fn simplest(errors: &[[f64; 2]]) -> Option<[usize; 2]> {
     let least = (0..errors.len()).min_by(|&i, &j| errors[i][0].total_cmp(&errors[j][0]))?;
     let bound = errors[least][0] + errors[least][1];

@@ -28,13 +28,13 @@ const REWEIGHTINGS: usize = 5;
 
 /// Sums of products of the columns `[δ | friction | load | target]`, with the error δ of the description.
 pub(super) struct Equations {
-    /// Number of columns of δ and friction.
+    /// Number of columns of the description's error and of friction.
     nuisance: usize,
     joints: usize,
     /// Sums of each joint, for each block of time. The blocks with the load, from `loaded_from` on, are the last ones.
     blocks: Vec<Vec<Sums>>,
     loaded_from: usize,
-    /// Prior that holds δ near zero and keeps friction finite.
+    /// Prior that holds the error of the description near zero and keeps friction finite.
     prior: DMatrix<f64>,
     weight: f64,
 }
@@ -52,13 +52,14 @@ impl Sums {
     }
 }
 
-/// The equations of the load after δ and friction are eliminated.
+/// The equations of the load after the error of the description and friction are eliminated.
 pub(super) struct Reduced {
     pub hessian: DMatrix<f64>,
     pub linear: DVector<f64>,
     factor: Cholesky<f64, Dyn>,
-    /// Products of the columns of δ and friction with those of the load (`coupling`) and with the target (`right`).
+    /// Products of the columns of the description's error and of friction with the columns of the load.
     coupling: DMatrix<f64>,
+    /// Products of the columns of the description's error and of friction with the target.
     right: DVector<f64>,
 }
 
@@ -133,8 +134,8 @@ impl Equations {
         Ok(weights)
     }
 
-    /// The vector `(δ, friction, load, −1)`. A Gram matrix of the columns times this vector gives the products of the columns
-    /// with the prediction minus the target.
+    /// The vector `(δ, friction, load, −1)` with the error δ of the description. A Gram matrix of the columns
+    /// times this vector gives the products of the columns with the prediction minus the target.
     fn homogeneous(&self, reduced: &Reduced, load: &DVector<f64>) -> DVector<f64> {
         let nuisance = reduced.factor.solve(&(&reduced.right - &reduced.coupling * load));
         let mut x = DVector::zeros(self.nuisance + PER_BODY + 1);
@@ -144,7 +145,7 @@ impl Equations {
         x
     }
 
-    /// Eliminates δ and friction.
+    /// Eliminates the unknown errors of the description and the unknown friction from the equations.
     pub(super) fn reduced(&self, weights: &[f64]) -> Result<Reduced> {
         let size = self.nuisance + PER_BODY + 1;
         let mut total = DMatrix::zeros(size, size);
@@ -163,9 +164,9 @@ impl Equations {
         Ok(Reduced { hessian: (&hessian + hessian.transpose()) * 0.5, linear, factor, coupling, right })
     }
 
-    /// Covariance of the load's parameters, for errors that are correlated within blocks of time. It is the sandwich
-    /// covariance with the scores of the blocks, plus the effect of errors of the description and of the reference ball with a
-    /// distance of one.
+    /// Covariance of the load's parameters, for errors that are correlated within blocks of time. It is the
+    /// sandwich covariance with the scores of the blocks, plus the effect of errors of the description and of
+    /// the reference ball. These errors have the distance one.
     pub(super) fn covariance(
         &self,
         weights: &[f64],
@@ -236,7 +237,7 @@ struct Columns<'a> {
     parameters: usize,
     nuisance: usize,
     body: usize,
-    /// Joint forces of the logged efforts, `joints × channels`.
+    /// Matrix that converts the logged efforts to joint forces, `joints × channels`.
     to_joints: DMatrix<f64>,
     /// Largest speed of each joint. A joint at rest has no rows.
     speeds: Vec<f64>,
@@ -363,7 +364,8 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// Writes the prior that holds δ near zero: the metric of bodies, and relative changes of rotor inertias.
+    /// Writes the prior that holds the error of the description near zero: the metric of bodies, and relative
+    /// changes of rotor inertias.
     fn hold(&self, weight: f64, prior: &mut DMatrix<f64>) -> Result<()> {
         let described = self.robot.parameters();
         let bodies = PER_BODY * self.robot.bodies();

@@ -36,8 +36,9 @@ pub struct CarriedLoad {
 /// - a setting is out of its range, or
 /// - no minimum is found.
 ///
-/// Unless poor results are accepted, the call also fails if values are far beyond the described limits, or if the forces in
-/// the efforts differ from those of the described bodies by more than a factor of ten.
+/// Unless poor results are accepted, the call also fails in two cases: values are far beyond the described
+/// limits, or the forces in the efforts differ from those of the described bodies by more than a factor of
+/// ten.
 pub fn identify_load(
     robot: &dyn Robot,
     without: &[PathBuf],

@@ -7,8 +7,9 @@
 //! equal motions π_L then explains the difference of the efforts, `W_b π_L = Δτ`. The load must be a physically possible body
 //! (pseudo-inertia ⪰ 0).
 //!
-//! The rows of joints with a quaternion have neither friction nor an offset, and all their samples are used. In the rows of
-//! other joints, samples at which the joint is at rest are left out, because its dry friction then holds a part of the load.
+//! The rows of joints with a quaternion have neither friction nor an offset, and all their samples are used.
+//! In the rows of other joints, samples at rest are left out, because the dry friction of the joint then
+//! holds a part of the load.
 //!
 //! Friction and offset are assumed to be the same in both logs. Therefore load-dependent friction makes the estimated load too
 //! heavy.
@@ -101,8 +102,8 @@ fn check(robot: &dyn Robot, settings: &PayloadSettings) -> Result<usize> {
 struct Found {
     load: ConsistentSolution,
     covariance: DMatrix<f64>,
-    /// For each parameter, the difference between the reference and bodies at the distance 1 from the reference. The distance
-    /// is that of [`PayloadSettings::weight`].
+    /// For each parameter, the difference between the reference and a body at the distance 1 from the
+    /// reference, as measured by [`PayloadSettings::weight`].
     sizes: Vec<f64>,
 }
 

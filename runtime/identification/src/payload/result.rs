@@ -10,18 +10,19 @@ pub(crate) const NAMES: [&str; PER_BODY] =
 
 /// A load, in the frame of the body that carries it.
 ///
-/// The intervals take correlated residuals into account. For parameters that the motion does not determine, they also include
-/// the possible errors of the description and of the reference ball, a ball of 1500 kg/m³ with the load's mass.
+/// The intervals take correlated residuals into account. For parameters that the motion does not determine,
+/// they also include possible errors of the description and of the reference ball. The reference ball has
+/// 1500 kg/m³ and the load's mass.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Payload {
     /// Index of the body that carries the load, from 0.
     pub body: usize,
-    /// Mass \[kg\].
+    /// Mass of the load \[kg\].
     pub mass: Uncertain,
-    /// Centre of mass \[m\].
+    /// Centre of mass of the load in the frame of the body that carries it \[m\].
     pub centre_of_mass: [Uncertain; 3],
-    /// Moments of inertia Ixx, Ixy, Iyy, Ixz, Iyz, Izz in kg m² about the centre of mass, with axes parallel to the body's
-    /// frame.
+    /// Moments of inertia Ixx, Ixy, Iyy, Ixz, Iyz, Izz of the load in kg m² about its centre of mass, with
+    /// axes parallel to the body's frame.
     pub moments: [Uncertain; 6],
     /// Mass m, first moments m c, and moments of inertia Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the frame's origin, in kg, kg m and
     /// kg m². The sum of these parameters and of the body's parameters describes the body with the load.

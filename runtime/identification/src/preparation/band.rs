@@ -32,7 +32,7 @@ impl Tried {
         self.drops.iter().sum::<f64>() / self.drops.len().max(1) as f64
     }
 
-    /// Returns the filter with the larger mean decrease.
+    /// Returns the filter with the larger mean decrease of ln RSS (residual sum of squares).
     fn or(self, other: Self) -> Self {
         if other.mean() > self.mean() { other } else { self }
     }

@@ -57,7 +57,8 @@ pub(super) fn noise_share(quality: &PositionQuality, bandwidth: f64) -> f64 {
 ///
 /// - `density`: spectral density of the white noise of the positions, in unit²/Hz
 ///
-/// The formula follows from `∫ (2π f)² H² df = (2π)² f_c³/3` for a filter with a sharp edge at f_c.
+/// The formula follows from `∫ (2π f)² H² df = (2π)² f_c³/3` for a filter whose gain H has a sharp edge at
+/// the frequency f_c.
 pub(super) fn speed_noise(density: f64, bandwidth: f64) -> f64 {
     2.0 * PI * (density * bandwidth.powi(3) / 3.0).sqrt()
 }

@@ -9,11 +9,11 @@ use super::levels;
 pub(super) struct Channel {
     /// Times in s, increasing.
     pub times: Vec<f64>,
-    /// Values at these times.
+    /// Values of the signal at `times`.
     pub values: Vec<f64>,
-    /// Mean number of log samples for each new value. It is counted between large changes of the signal, and is 1 if each
-    /// sample has a new value or if there are too few large changes. Repeated values are left out if this number is above
-    /// 1.2.
+    /// Mean number of log samples for each new value. It is counted between large changes of the signal. It
+    /// is 1 if each sample has a new value, or if there are too few large changes. Repeated values are left
+    /// out if this number is above 1.2.
     pub hold: f64,
     /// Smallest change between two samples. It is the resolution if the signal is quantized.
     pub resolution: f64,

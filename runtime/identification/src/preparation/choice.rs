@@ -31,7 +31,7 @@ pub(super) struct Recorded<'a> {
     pub(super) step: f64,
 }
 
-/// Implements [`super::prepare_all`].
+/// Prepares runs as [`super::prepare_all`] does, also with the filter of other runs.
 ///
 /// - `known`: filter of the identification, if these runs are prepared for a validation. The low-pass filter of its efforts
 ///   is used, and no other one is searched.
@@ -222,7 +222,7 @@ impl<'a> Recorded<'a> {
         }
     }
 
-    /// Smooths all pieces.
+    /// Smooths all pieces of the runs.
     ///
     /// - `split`: bandwidth in Hz that decides how runs are split into pieces
     pub(super) fn smooth(&self, how: &Smoothing, split: f64) -> Result<Vec<Smoothed>> {

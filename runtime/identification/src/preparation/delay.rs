@@ -116,7 +116,7 @@ impl Search<'_> {
         (part(&|p| p.0), part(&|p| p.1 / self.step))
     }
 
-    /// Returns ln RSS at each of the `delays`, summed over the efforts `of`.
+    /// Returns ln RSS (residual sum of squares) at each of the `delays`, summed over the efforts `of`.
     fn misfits(&self, of: &[usize], delays: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; delays.len()];
         for m in of {
@@ -130,8 +130,8 @@ impl Search<'_> {
         sums
     }
 
-    /// Returns the decrease of ln RSS of an effort between two delays, on held-out folds; zero if it is within two standard
-    /// errors.
+    /// Returns the decrease of ln RSS (residual sum of squares) of an effort between two delays, on held-out
+    /// folds; zero if it is within two standard errors.
     fn held_out_drop(&self, m: usize, from: f64, to: f64) -> f64 {
         let Some(problem) = &self.problems[m] else { return 0.0 };
         let targets = [from, to].map(|delay| self.effort(m, delay).0);

@@ -5,9 +5,9 @@ use super::channel::Channel;
 /// Time interval in which no channel has a gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Piece {
-    /// First time in s.
+    /// Time in s at which the interval begins.
     pub start: f64,
-    /// Last time in s.
+    /// Time in s at which the interval ends.
     pub end: f64,
 }
 

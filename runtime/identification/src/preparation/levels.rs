@@ -89,17 +89,19 @@ levels! {
     /// Width of the smooth sign of the velocity, as a share of a joint's largest speed.
     SHARP: f64 = 0.02;
 
-    /// Smallest delay in s that the preparation removes. The common estimate finds smaller delays by one linear step. The
-    /// relative error of this step is about half of delay times frequency: 3 % for this delay and 1 Hz. The estimate takes
-    /// the rotors into account and has one set of bodies for all efforts. In the preparation, each effort has separate
-    /// parameters, whose errors imitate delays of some milliseconds.
+    /// Smallest delay in s that the preparation removes. The common estimate finds smaller delays by one
+    /// linear step. The relative error of this step is about half of delay times angular frequency: 3 % for
+    /// this delay and 1 Hz. The estimate takes the rotors into account and has one set of bodies for all
+    /// efforts. In the preparation, each effort has separate parameters, whose errors imitate delays of some
+    /// milliseconds.
     FAR: f64 = 0.01;
 
     /// Smallest and largest delay of the search in s. If a delay is negative, the positions are late.
     DELAYS: [f64; 2] = [-0.08, 0.08];
 
-    /// Range of delays, in s, that is searched first. The larger range [`DELAYS`] is searched only if most efforts fit best
-    /// at the negative end of this range, because errors of the model imitate large delays.
+    /// Range of delays, in s, that is searched first. The larger range [`DELAYS`] is searched only if most
+    /// efforts fit best at the negative end of this range. The reason is that errors of the model imitate
+    /// large delays.
     USUAL_DELAYS: [f64; 2] = [-0.02, 0.08];
 
     /// Step of the coarse grid of delays in s.

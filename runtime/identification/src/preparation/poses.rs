@@ -20,6 +20,8 @@ pub(super) struct PoseSignal {
 }
 
 impl PoseSignal {
+    /// The measured poses of a joint without spikes and missing values.
+    ///
     /// - `channels`: path of the joint, one channel for each velocity
     pub(super) fn new(joint: &QuaternionJoint, run: &Run, channels: &[Channel]) -> Self {
         let row = |columns: &[Vec<f64>], i: usize| columns.iter().map(|c| c[i]).collect::<Vec<f64>>();
@@ -36,7 +38,8 @@ impl PoseSignal {
         }
     }
 
-    /// Writes the poses at `times` to the columns of y. The other columns of y are already filled.
+    /// Writes the poses at `times` to the columns of the robot's positions y. The other columns are already
+    /// filled.
     ///
     /// - `positions`: smoothed positions or paths, one column for each velocity of the robot
     pub(super) fn write(&self, times: &[f64], positions: &[Vec<f64>], y: &mut [Vec<f64>]) {

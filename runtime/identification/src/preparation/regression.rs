@@ -155,8 +155,8 @@ fn fastest(runs: &[&PreparedRun], joint: usize) -> f64 {
 /// A sample: index of the run, and index of the sample in the run.
 pub(super) type Sample = (usize, usize);
 
-/// Returns about `count` samples. They are spread evenly over the samples of all runs at which a joint moves, and are at
-/// least `margin` samples away from the ends of a run.
+/// Returns about `count` samples at which a joint moves, spread evenly over all runs. They are at least
+/// `margin` samples away from the ends of a run.
 pub(super) fn spread(runs: &[&PreparedRun], count: usize, margin: usize) -> Vec<Sample> {
     let inner = |r: &PreparedRun| margin..r.times.len().saturating_sub(margin).max(margin);
     let moving = |(k, r): (usize, &&PreparedRun)| {

@@ -1,8 +1,8 @@
 //! Detection of the time intervals in which a joint rests.
 //!
-//! At rest, dry friction can have any value up to the static friction: it balances the difference between the drive force
-//! and the rigid-body force. Therefore the effort of a resting joint contains no information on the friction law as a
-//! function of the speed, on the delay, or on the filter.
+//! At rest, dry friction can have any value up to the static friction: it balances the difference between the
+//! drive force and the rigid-body force. Therefore the effort of a resting joint contains no information on
+//! the delay, on the filter, or on friction as a function of the speed.
 
 use super::super::run::PreparedRun;
 use super::levels;
@@ -80,8 +80,8 @@ impl Rests {
         self.joints.iter().flat_map(of_joint).collect()
     }
 
-    /// Returns for each joint and each time whether the joint rests, or whether a rest is so near that the filter does not
-    /// separate it from this time.
+    /// Returns for each joint and each time whether the joint rests, or whether the filter does not separate
+    /// this time from a rest.
     pub(crate) fn at(&self, times: &[f64], bandwidth: f64) -> Vec<Vec<bool>> {
         let near = levels::REACH.get() / bandwidth;
         let of_joint = |rests: &Vec<Stretch>| {

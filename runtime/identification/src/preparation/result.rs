@@ -8,7 +8,7 @@ use gelenk_findings::Finding;
 pub struct PreparationReport {
     /// Results for each joint of the robot.
     pub joints: Vec<JointPreparation>,
-    /// Delay of each effort.
+    /// Delay of each effort relative to the positions.
     pub(crate) delays: Vec<Delay>,
     /// Filter that positions and efforts passed. In a regression, the columns of friction must pass this filter, too
     /// (`Filter::apply`).

@@ -11,7 +11,7 @@ use super::grid::{Piece, interpolate};
 use super::poses::PoseSignal;
 use super::rest::Rests;
 
-/// Channels of a run.
+/// Measured signals of a run, each reduced to its informative samples.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Signals {
     pub name: String,
@@ -20,11 +20,11 @@ pub(super) struct Signals {
     pub positions: Vec<Channel>,
     /// Poses of the joints with a quaternion.
     poses: Vec<PoseSignal>,
-    /// Entry of y for each velocity; `None` for joints with a quaternion.
+    /// Index of the entry of the positions y for each velocity; `None` for joints with a quaternion.
     plain: Vec<Option<usize>>,
     pub efforts: Vec<Channel>,
     pub effort: Effort,
-    /// Rests of the joints.
+    /// Time intervals in which each joint rests.
     pub rests: Rests,
     /// Median time step of the log in s.
     pub step: f64,
@@ -65,7 +65,8 @@ impl Signals {
         Ok(())
     }
 
-    /// Returns the columns of y at `times`, computed from the smoothed `positions`; empty if no joint has a quaternion.
+    /// Returns the columns of the robot's positions y at `times`, computed from the smoothed `positions` of
+    /// its joints; empty if no joint has a quaternion.
     fn coordinates(&self, times: &[f64], positions: &[Vec<f64>]) -> Vec<Vec<f64>> {
         if self.poses.is_empty() {
             return Vec::new();

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 /// Lower edge of the first band in Hz.
 const LOWEST: f64 = 0.02;
 
-/// Number of bands. The last one ends at 80 kHz.
+/// Number of bands. The last one ends at 84 kHz.
 const BANDS: usize = 132;
 
 /// Measured power in bands of a sixth of an octave. Spectral densities are one-sided.
@@ -19,15 +19,19 @@ pub(super) struct Spectrum {
 /// position, Δf the distance of the frequencies, and ω = 2π f.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Band {
-    /// Number of frequencies (bins).
+    /// Number of frequencies (bins) in the band.
     bins: usize,
-    /// `Σ P Δf T`: power of the positions.
+    /// Power of the positions, `Σ P Δf T` with the spectral density P, the distance Δf of the frequencies,
+    /// and the duration T.
     position: f64,
-    /// `Σ ω⁴ P Δf T`: power of the accelerations.
+    /// Power of the accelerations, `Σ ω⁴ P Δf T` with the angular frequency ω, the spectral density P of the
+    /// position, the distance Δf of the frequencies, and the duration T.
     acceleration: f64,
-    /// `Σ Δf T`: power of white noise of the position with density one.
+    /// Power of white noise of the position with density one, `Σ Δf T` with the distance Δf of the
+    /// frequencies, and the duration T.
     white: f64,
-    /// `Σ ω⁴ Δf T`: power of the acceleration of white noise of the position with density one.
+    /// Power of the acceleration of white noise of the position with density one, `Σ ω⁴ Δf T` with the
+    /// angular frequency ω, the distance Δf of the frequencies, and the duration T.
     white_acceleration: f64,
 }
 
@@ -69,10 +73,10 @@ impl Spectrum {
     /// Returns the spectral density of the white noise of the positions in unit²/Hz; 0 if there are no data. The density is
     /// the lowest mean over half an octave at or below `highest` in Hz.
     ///
-    /// Motion decreases with the frequency, but white noise does not. Therefore the lowest mean is an upper bound of the
-    /// noise. It equals the noise if the sampling is fast enough for a band without motion. Half octaves with less than an
-    /// eighth of the bins of the fullest half octave are left out, because the smallest of many inaccurate means would be
-    /// too low.
+    /// Motion decreases with the frequency, but white noise does not. Therefore the lowest mean is an upper
+    /// bound of the noise. It equals the noise if the sampling is fast enough for a band without motion. Half
+    /// octaves with less than an eighth of the bins of the fullest half octave are left out. Their means are
+    /// inaccurate, and the smallest of many inaccurate means would be too low.
     pub(crate) fn floor(&self, highest: f64) -> f64 {
         let top = band(highest).min(BANDS - 1);
         let sums = |bands: &[Band]| {

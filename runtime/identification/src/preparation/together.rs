@@ -12,7 +12,7 @@ const LEAST_SHARE: f64 = 1e-12;
 pub(super) struct Efforts {
     /// Efforts that passed the filter of the positions.
     pub filtered: Vec<DVector<f64>>,
-    /// Efforts as they were measured.
+    /// Measured efforts, which passed no filter.
     pub measured: Vec<DVector<f64>>,
 }
 
@@ -43,7 +43,7 @@ struct EffortFit<'a> {
     products: DVector<f64>,
     variation: f64,
     weight: f64,
-    /// ln(1 − R²) of the measured effort.
+    /// ln(1 − R²) of the measured effort, with R² of the common fit.
     score: f64,
 }
 

@@ -18,12 +18,12 @@ const FRICTION_DRIFTS: Rule = Rule::warning("friction-drifts");
 /// Smallest change of friction that gives a finding, as a share of the friction.
 const NAMED_CHANGE: f64 = 0.02;
 
-/// Linear change from the first to the last sample, over the index of the sample.
+/// Linear change of a quantity from the first to the last sample, over the index of the sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Trend {
-    /// Last minus first value.
+    /// Last minus first value of the linear trend.
     pub(crate) change: f64,
-    /// Standard error, which takes the correlation of the residuals into account.
+    /// Standard error of the change, which takes the correlation of the residuals into account.
     pub(crate) standard_error: f64,
     /// Whether the change is significant at the 1 % level.
     pub(crate) significant: bool,

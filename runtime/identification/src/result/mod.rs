@@ -42,9 +42,10 @@ pub struct FrictionTerm {
 /// Friction torque τ(v) of a joint as a function of its velocity v, in a form that descriptions can contain.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FrictionLaw {
-    /// `Σ coefficient · basis(v)` over the terms.
+    /// Sum of terms `Σ coefficient · basis(v)` with the velocity v.
     Terms(Vec<FrictionTerm>),
-    /// `a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)` with the parameters a1 … a5.
+    /// Stribeck law `a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)` with the velocity v and the
+    /// parameters a1 … a5.
     Stribeck(Box<[FrictionTerm; 5]>),
 }
 
@@ -207,10 +208,10 @@ pub struct FrictionResult {
     pub freedom: f64,
     /// Smallest and largest velocity in the data, in rad/s or m/s. Outside of this range the law is extrapolated.
     pub velocity_range: [f64; 2],
-    /// Speed above which the filter does not distort the law, in rad/s or m/s; `None` if the torques were not filtered.
-    /// It is the tenth smallest speed of the samples that lie outside the reach of the filter around rests and reversals,
-    /// or the largest speed if there are fewer than ten of these samples. Below this speed, nearly all samples were changed
-    /// by the filter.
+    /// Speed above which the filter does not distort the law, in rad/s or m/s; `None` if the torques were not
+    /// filtered. It is the tenth smallest speed of the samples at which no rest or reversal is within the
+    /// reach of the filter. If there are fewer than ten of these samples, it is the largest speed. Below this
+    /// speed, nearly all samples were changed by the filter.
     pub resolved_from: Option<f64>,
     /// Root mean square of the residual, in N·m or N.
     pub residual: f64,

@@ -6,10 +6,10 @@
 //!
 //! `C⁻ᵀ (M ÿ + k − q) = C⁻ᵀ B u − f(ż)`.
 //!
-//! with the mass matrix M, the bias force k, gravity and other forces q, and the forces B u of the inputs u. The row of a shaft
-//! then contains the torque of its motor and its friction as a function of its speed, but no torque or
-//! friction of other drives. Inertial parameters are the same in all coordinates. So the fit, the choice of terms, the
-//! intervals and the findings are the same as for joints.
+//! with the mass matrix M, the bias force k, gravity and other forces q, and the forces B u of the inputs u.
+//! The row of a shaft then contains the torque of its motor, and its friction as a function of its speed. It
+//! contains no torque or friction of other drives. Inertial parameters are the same in all coordinates. So
+//! the fit, the choice of terms, the intervals and the findings are the same as for joints.
 //!
 //! A shaft replaces a joint without a separate drive: the equation of the shaft takes the row of this joint. Described
 //! friction of the joint does not depend on the speed of a single row. Therefore its factors are estimated like inertial

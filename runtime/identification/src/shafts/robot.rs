@@ -23,6 +23,8 @@ impl<'a> RobotRows<'a> {
         Self { robot, rows: ShaftRows::of(robot) }
     }
 
+    /// The robot with given rows of shafts; with `None`, all rows are those of joints.
+    ///
     /// - `rows`: rows of the same robot
     pub(crate) fn new(robot: &'a dyn Robot, rows: Option<ShaftRows>) -> Self {
         Self { robot, rows }
@@ -60,7 +62,7 @@ impl<'a> RobotRows<'a> {
         self.of_shafts().map_or(0, |rows| rows.joint_terms().len())
     }
 
-    /// Values of the joints' friction terms at a motion of the joints.
+    /// Values of the described friction terms of replaced joints at a motion of the joints.
     fn term_values(&self, y: &[f64], v: &[f64]) -> Vec<f64> {
         let mut values = vec![0.0; self.terms()];
         self.robot.joint_term_values(y, v, &mut values);

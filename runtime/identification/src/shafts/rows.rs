@@ -5,7 +5,8 @@ use super::super::run::{Effort, PreparedRun};
 use super::{JointTerm, Shaft};
 use nalgebra::DMatrix;
 
-/// Share of a row's largest entry below which an entry of C⁻¹ counts as a rounding error of zero.
+/// Share of a row's largest entry below which an entry of the matrix from rows to joints counts as a rounding
+/// error of zero.
 const ROUNDING: f64 = 1e-12;
 
 /// The rows of the equations of motion if shafts replace joints, in the coordinates `z = C y` with the joint positions y.
@@ -15,7 +16,7 @@ pub(crate) struct ShaftRows {
     terms: Vec<JointTerm>,
     /// Matrix C of the coordinates `z = C y`, from joint positions y to positions z of the rows.
     motion: DMatrix<f64>,
-    /// Inverse of C, from positions z of the rows to joint positions y.
+    /// Inverse of the matrix C of `z = C y`, from positions z of the rows to joint positions y.
     back: DMatrix<f64>,
     has_quaternions: bool,
     /// Number of the robot's inertial parameters. The factors of the joints' friction terms follow them.
@@ -127,7 +128,8 @@ impl ShaftRows {
         (0..self.back.nrows()).map(row).collect()
     }
 
-    /// Generalized forces of the rows: C⁻ᵀ times forces at the joints, a matrix with `columns` columns, row by row.
+    /// Generalized forces of the rows: C⁻ᵀ times forces at the joints, with the matrix C of the rows'
+    /// positions `z = C y`. The forces are a matrix with `columns` columns, row by row.
     pub(super) fn forces(&self, joints: &[f64], columns: usize, rows: &mut [f64]) {
         rows.fill(0.0);
         for (row, found) in rows.chunks_exact_mut(columns.max(1)).enumerate() {

@@ -13,8 +13,9 @@ impl<V: Vector> Bounds<V> {
         }
     }
 
-    /// Sets the multipliers to those of another solution with the variables `z` for bounds that were active there. A
-    /// bound was active if `λ > c d`, with the distance d into the bound. The other multipliers become 0.
+    /// Sets the multipliers to those of another solution with the variables `z` for bounds that were active
+    /// there. A bound was active if its multiplier exceeds `c` times the distance into the bound. The other
+    /// multipliers become 0.
     pub(in crate::qp) fn recall(&mut self, c: f64, z: &[V], last: &Multipliers<V>) {
         vectorized!(V, {
             let c = V::splat(c);
@@ -85,9 +86,10 @@ impl<V: Vector> Bounds<V> {
 }
 
 impl<V: Vector> Side<V> {
-    /// The force at the distance `d` into the bound, and the increase of the force per unit of violation. The force is
-    /// the positive part of `y = λ − W d`. If y exceeds the linear penalty w₁ of a soft bound, the force is `w₁ + w₂ v`
-    /// with the violation v = (y − w₁)/(w₂ + W).
+    /// The force at the distance `d` into the bound, and the increase of the force per unit of violation. The
+    /// force is the positive part of `y = λ − W d` with the multiplier λ and the weight W. If y exceeds the
+    /// linear penalty w₁ of a soft bound with the quadratic penalty w₂, the force is `w₁ + w₂ v` with the
+    /// violation v = (y − w₁)/(w₂ + W).
     #[inline(always)]
     fn augmented(&self, soft: &Softening<V>, w: V, d: V, known: bool) -> [V; 2] {
         let y = d.mul_neg_add(w, self.multiplier);

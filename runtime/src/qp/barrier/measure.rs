@@ -9,7 +9,7 @@ use super::Bounds;
 pub(in crate::qp) const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl<V: Vector> Bounds<V> {
-    /// Number of complementarity pairs.
+    /// Number of complementarity pairs, for example of a slack and its multiplier.
     pub(in crate::qp) fn count(&self) -> f64 {
         vectorized!(V, {
             let mut sum = V::zero();

@@ -1,9 +1,10 @@
 //! Bounds in the interior-point method: slacks, multipliers and their Newton steps, four bounds at a time.
 //!
-//! A bound is `ς (z − b) + t ≥ 0` with ς = +1 for a lower bound and −1 for an upper bound. The softening `t` is absent
-//! for a hard bound. The slack `s > 0` satisfies `ς (z − b) + t − s = −r` with the residual r, and the multiplier is
-//! `λ > 0`. A soft bound costs `w₁ t + ½ w₂ t²` with `t ≥ 0`. The multiplier of `t ≥ 0` is `ν = w₁ + w₂ t − λ > 0`.
-//! The elimination of `ds`, `dt` and `dν` from the Newton system leaves a diagonal term W in z:
+//! A bound b of a variable z is `ς (z − b) + t ≥ 0` with ς = +1 for a lower bound and −1 for an upper bound.
+//! The softening `t` is absent for a hard bound. The slack `s > 0` satisfies `ς (z − b) + t − s = −r` with
+//! the residual r, and the multiplier is `λ > 0`. A soft bound costs `w₁ t + ½ w₂ t²` with `t ≥ 0`. The
+//! multiplier of `t ≥ 0` is `ν = w₁ + w₂ t − λ > 0`. The elimination of `ds`, `dt` and `dν` from the Newton
+//! system leaves a diagonal term W in z:
 //! ```text
 //!     s dλ + λ ds = −rc₁ = −(s λ − τ + c₁)       t dν + ν dt = −rc₂ = −(t ν − τ + c₂)       τ = σμ, c: second-order correction
 //!     ς dz + dt + r = ds       dν = w₂ dt − dλ       D = ν + w₂ t (1 if hard)       Δ = D s + t λ (t = 0 if hard)
@@ -32,7 +33,7 @@ use crate::no_std::*;
 pub(super) struct Bounds<V> {
     sides: Vec<[Side<V>; 2]>,
     soft: Vec<[Softening<V>; 2]>,
-    /// Largest diagonal term `W_max` and its inverse.
+    /// Largest diagonal term `W_max` of the Newton system, and its inverse.
     cap: [V; 2],
 }
 
@@ -51,14 +52,15 @@ impl<V: Vector> Bounds<V> {
         self.soft.fill(Default::default());
     }
 
-    /// Sets the largest diagonal term `W_max` of the Newton system. With larger terms, smaller weights would lose digits
-    /// (`R` in `R + BᵀWB`). A step that uses `λ/W_max` instead of a smaller slack is still a Newton step to second
-    /// order, because `dλ` vanishes at the optimum.
+    /// Sets the largest diagonal term `W_max` of the Newton system. With larger terms, smaller weights would
+    /// lose digits, for example the input weights `R` in `R + BᵀWB`. Steps then use `λ/W_max` with the
+    /// multiplier λ instead of a smaller slack. Such a step is still a Newton step to second order, because
+    /// `dλ` vanishes at the optimum.
     pub(super) fn cap_weights(&mut self, cap: f64) {
         self.cap = [V::splat(cap), V::splat(1.0 / cap)];
     }
 
-    /// Calls [`Self::linearize_as`] with or without soft bounds.
+    /// Linearizes the bounds by [`Self::linearize_as`], with or without soft bounds.
     pub(super) fn linearize(
         &mut self,
         soft: bool,
@@ -76,12 +78,12 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Calls [`Self::predictor_as`] with or without soft bounds.
+    /// Computes the affine steps by [`Self::predictor_as`], with or without soft bounds.
     pub(super) fn predictor(&mut self, soft: bool, dz: &[V]) -> Totals {
         vectorized!(V, { if soft { self.predictor_as::<true>(dz) } else { self.predictor_as::<false>(dz) } })
     }
 
-    /// Calls [`Self::centre_as`] with or without soft bounds.
+    /// Computes the gradient of the centred step by [`Self::centre_as`], with or without soft bounds.
     pub(super) fn centre(&mut self, soft: bool, gradient: &[V], target: f64, correction: f64, rhs: &mut [V]) {
         vectorized!(V, {
             if soft {
@@ -92,7 +94,7 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Calls [`Self::corrector_as`] with or without soft bounds.
+    /// Computes the centred steps by [`Self::corrector_as`], with or without soft bounds.
     pub(super) fn corrector(&mut self, soft: bool, dz: &[V], target: f64, correction: f64) -> Totals {
         vectorized!(V, {
             if soft {
@@ -103,7 +105,7 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Calls [`Self::advance_as`] with or without soft bounds.
+    /// Takes a step by [`Self::advance_as`], with or without soft bounds.
     pub(super) fn advance(&mut self, soft: bool, length: f64) {
         vectorized!(V, {
             if soft {
@@ -134,7 +136,7 @@ impl<V: Vector> Bounds<V> {
     }
 
     /// First pass: sets `weight` to the diagonal barrier term and `rhs` to the gradient of the affine step.
-    /// Returns `Σ sλ`, `max |r|` and the largest multiplier.
+    /// Returns `Σ sλ` of the slacks s and multipliers λ, the largest residual, and the largest multiplier.
     #[inline(always)]
     fn linearize_as<const SOFT: bool>(
         &mut self,
@@ -155,7 +157,8 @@ impl<V: Vector> Bounds<V> {
         tally.totals()
     }
 
-    /// Second pass: affine steps. Returns `Σ ds dλ` and the inverse step to the boundary.
+    /// Second pass: affine steps. Returns `Σ ds dλ` of the steps of slacks and multipliers, and the inverse
+    /// step to the boundary.
     #[inline(always)]
     fn predictor_as<const SOFT: bool>(&mut self, dz: &[V]) -> Totals {
         let mut tally = Tally::new();

@@ -5,27 +5,31 @@ use super::super::lanes::{Vector, largest};
 /// Lower or upper side of four bounds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Side<V> {
-    /// Bound; 0 if the bound is infinite. `active` is 1 for a finite bound and 0 for an infinite bound. Slack and
-    /// multiplier of an infinite bound remain 1.
+    /// Bound; 0 if the bound is infinite.
     pub(super) bound: V,
+    /// 1 for a finite bound, 0 for an infinite bound. Slack and multiplier of an infinite bound remain 1.
     pub(super) active: V,
     /// `1/max(1, |bound|)` for a finite bound, 0 for an infinite bound. This factor makes violations relative to the size
     /// of the bound.
     pub(super) relative: V,
     pub(super) slack: V,
     pub(super) multiplier: V,
-    /// Primal residual `r`.
+    /// Primal residual of the bound, at the variable and its slack.
     residual: V,
-    /// `W`, `1/s` and `1/λ` of the present iterate.
+    /// Diagonal term of the Newton system.
     pub(super) weight: V,
+    /// Inverse of the slack at the present iterate.
     inverse_slack: V,
+    /// Inverse of the multiplier at the present iterate.
     inverse_multiplier: V,
-    /// `1/s̃` and `s̃ − s`. `s̃ = max(s, λ/W_max)` is the slack of the Newton system, see
-    /// [`super::Bounds::cap_weights`].
+    /// Inverse `1/s̃` of the slack `s̃ = max(s, λ/W_max)` of the Newton system. s is the slack, λ its
+    /// multiplier, and W_max the largest diagonal term.
     inverse_damped: V,
+    /// Difference between the slack of the Newton system and the slack.
     excess: V,
-    /// Steps of slack and multiplier. After the predictor they are the affine steps.
+    /// Step of the slack. After the predictor it is the affine step.
     ds: V,
+    /// Step of the multiplier. After the predictor it is the affine step.
     dl: V,
 }
 
@@ -40,8 +44,10 @@ pub(super) struct Softening<V> {
     pub(super) w2: V,
     pub(super) t: V,
     pub(super) nu: V,
-    /// `D` and `1/Δ`.
+    /// `D = ν + w₂ t` with the softening t, its multiplier ν and the quadratic penalty w₂.
     d: V,
+    /// Inverse of `Δ = D s + t λ` with `D = ν + w₂ t`, the softening t, its multiplier ν, the quadratic
+    /// penalty w₂, the slack s and its multiplier λ.
     inverse_delta: V,
     inverse_t: V,
     inverse_nu: V,
@@ -99,7 +105,7 @@ impl<V: Vector> Default for Side<V> {
 }
 
 impl<V: Vector> Default for Softening<V> {
-    /// A hard bound. t and ν are 1 to keep the arithmetic finite.
+    /// A hard bound. The softening and its multiplier are 1 to keep the arithmetic finite.
     fn default() -> Self {
         let (zero, one) = (V::zero(), V::one());
         Self {
@@ -126,8 +132,8 @@ impl<V: Vector> Side<V> {
         if UPPER { -v } else { v }
     }
 
-    /// Computes inverses, weight and residual at the iterate. Returns `λ + dλ` of the affine step at
-    /// `dz = 0`.
+    /// Computes inverses, weight and residual at the iterate. Returns the multiplier plus its affine step, `λ
+    /// + dλ`, if the variable does not change.
     #[inline(always)]
     pub(super) fn linearize<const UPPER: bool, const SOFT: bool>(
         &mut self,
@@ -158,7 +164,7 @@ impl<V: Vector> Side<V> {
         self.base::<SOFT>(soft)
     }
 
-    /// `λ + dλ` of the affine step at `dz = 0`.
+    /// The multiplier plus its affine step, `λ + dλ`, if the variable does not change.
     #[inline(always)]
     fn base<const SOFT: bool>(&self, soft: &Softening<V>) -> V {
         if SOFT {
@@ -171,9 +177,10 @@ impl<V: Vector> Side<V> {
         self.weight * (self.excess - self.residual)
     }
 
-    /// Computes the steps for a step `dz` of the variable, with `s dλ + λ ds = −rc₁` and `t dν + ν dt = −rc₂`. The
-    /// formulas compute small numbers as products of small numbers, not as differences of large numbers. This is
-    /// necessary because ν is tiny if a soft bound is violated.
+    /// Computes the steps of slack s, multiplier λ, softening t and its multiplier ν for a step `dz` of the
+    /// variable, with `s dλ + λ ds = −rc₁` and `t dν + ν dt = −rc₂`. The formulas compute small numbers as
+    /// products of small numbers, not as differences of large numbers. This is necessary because ν is tiny if
+    /// a soft bound is violated.
     #[inline(always)]
     fn steps<const UPPER: bool, const SOFT: bool>(&mut self, soft: &mut Softening<V>, dz: V, rc1: V, rc2: V) {
         let (s, l) = (self.slack + self.excess, self.multiplier);
@@ -192,7 +199,8 @@ impl<V: Vector> Side<V> {
         }
     }
 
-    /// Largest `−ds/s`, `−dλ/λ`, `−dt/t`, `−dν/ν`, which is the inverse of the step to the boundary.
+    /// Inverse of the step to the boundary: the largest `−ds/s`, `−dλ/λ`, `−dt/t`, `−dν/ν` of the slack s,
+    /// the multiplier λ, the softening t and its multiplier ν.
     #[inline(always)]
     fn inverse_step<const SOFT: bool>(&self, soft: &Softening<V>, max: V) -> V {
         let max =
@@ -219,7 +227,8 @@ impl<V: Vector> Side<V> {
         }
     }
 
-    /// `λ + dλ` at `dz = 0` with centring and second-order correction.
+    /// The multiplier plus its step with centring and second-order correction, `λ + dλ`, if the variable does
+    /// not change.
     #[inline(always)]
     pub(super) fn centred<const SOFT: bool>(&self, soft: &Softening<V>, target: V, correction: V) -> V {
         let lift = target - correction * self.ds * self.dl;
@@ -286,7 +295,9 @@ impl<V: Vector> Side<V> {
 }
 
 impl<V: Vector> Softening<V> {
-    /// `φ(v) + φ*(λ) + λ d` with `φ*(λ) = max(λ − w₁, 0)²/2w₂`. If w₂ = 0, λ exceeds w₁ only by rounding.
+    /// Gap `φ(v) + φ*(λ) + λ d` of a soft bound with the penalty φ, the violation v, the multiplier λ and the
+    /// distance d into the bound. `φ*(λ) = max(λ − w₁, 0)²/2w₂` with the linear and quadratic penalty w₁ and
+    /// w₂. If w₂ = 0, λ exceeds w₁ only by rounding.
     #[inline(always)]
     pub(super) fn gap(&self, l: V, d: V) -> V {
         let (half, v) = (V::splat(0.5), (-d).fast_max(V::zero()));
@@ -296,8 +307,10 @@ impl<V: Vector> Softening<V> {
         penalty + l * d.fast_max(V::zero()) + half * beyond * beyond * inverse
     }
 
-    /// Sets `t` and `ν = w₁ + w₂ t − λ` so that their product is μ, like the products of all other pairs. If `t` were
-    /// equal to the violation, the start would be far off the central path for bounds that the solution keeps.
+    /// Sets the softening `t` and its multiplier `ν = w₁ + w₂ t − λ` so that their product is μ, like the
+    /// products of all other pairs. w₁ and w₂ are the penalties and λ is the multiplier of the bound. If `t`
+    /// were equal to the violation, the start would be far off the central path for bounds that the solution
+    /// keeps.
     #[inline(always)]
     pub(super) fn start(&mut self, l: V, mu: V) {
         let (beyond, hard) = (l - self.w1, V::one() - self.active);

@@ -39,7 +39,7 @@ impl<V: Vector> Bounds<V> {
         self.soft.fill([Softening::default(); 2]);
     }
 
-    /// Gives all hard bounds the penalty `linear · v`.
+    /// Gives all hard bounds the penalty `linear · v` of a violation v.
     pub(in crate::qp) fn soften(&mut self, linear: f64) {
         vectorized!(V, {
             for (sides, soft) in self.sides.iter().zip(&mut self.soft) {
@@ -107,9 +107,10 @@ impl<V: Vector> Bounds<V> {
         })
     }
 
-    /// Sets initial slacks and multipliers. A slack s is the distance of the variable `z` from its bound, but not less than
-    /// the smaller of two values. The first value is `share` times the distance between the bounds (1 + |z| for a single
-    /// bound). The second value is μ/λ for the multiplier λ of the last solution. The initial multiplier is `μ/s`.
+    /// Sets initial slacks and multipliers. A slack s is the distance of the variable `z` from its bound, but
+    /// not less than the smaller of two values. The first value is `share` times the distance between the
+    /// bounds (1 + |z| for a single bound). The second value is μ/λ with the initial product μ of slack and
+    /// multiplier, and the multiplier λ of the last solution. The initial multiplier is `μ/s`.
     #[inline(always)]
     pub(super) fn start_as<const SOFT: bool>(
         &mut self,

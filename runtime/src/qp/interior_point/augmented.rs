@@ -75,8 +75,9 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         (kept, self.settings.max_iterations)
     }
 
-    /// Computes gradient and diagonal terms at the iterate, for the weights W of inputs and of states. The gradient of the
-    /// cost remains in memory. [`Bounds::augment`](super::super::barrier::Bounds::augment) explains `known`.
+    /// Computes gradient and diagonal terms at the iterate, for the weights W of inputs and of states. The
+    /// gradient of the cost remains in memory. If `known` is true, the multipliers select the quadratic
+    /// pieces of the terms. Otherwise the iterate selects them.
     pub(super) fn augment(&mut self, [of_inputs, of_states]: [f64; 2], known: bool) {
         self.rows.evaluate(&mut self.iterate);
         self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);

@@ -101,10 +101,10 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         Err(iterations)
     }
 
-    /// Corrects the multipliers of inputs at a bound by the reduced gradient, because the force `−W d` has few correct
-    /// digits. Returns an upper bound `½ gᵀ R⁻¹ g` of the decrease of the cost along the remaining gradient g. The decrease
-    /// in the certificate is computed with the weights W, so it does not show the decrease for a bound that should not be
-    /// active.
+    /// Corrects the multipliers of inputs at a bound by the reduced gradient. The force `−W d` of the weight
+    /// W at the distance d has few correct digits. Returns an upper bound `½ gᵀ R⁻¹ g` of the decrease of the
+    /// cost along the remaining gradient g, with the input weights R. The decrease in the certificate is
+    /// computed with the weights W, so it does not show the decrease for a bound that should not be active.
     fn settle(&mut self, problem: &QpProblem<NX, NU, NR>, weight: &[[f64; NU]; NU]) -> f64 {
         let mut gain = 0.0;
         for (k, stage) in problem.stages.iter().enumerate() {

@@ -36,7 +36,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         run.iterations >= run.limit || run.iterations >= self.settings.max_iterations && !near
     }
 
-    /// Whether the start is bad, see [`JUDGED`].
+    /// Whether the start is bad: its residual is too large or decreases too slowly, or its steps are too
+    /// short ([`JUDGED`]).
     pub(super) fn is_slow(&self, state: &State, run: &Run) -> bool {
         if state.residual <= NEAR * self.settings.feasibility
             || (run.iterations > 0 && run.iterations < JUDGED)

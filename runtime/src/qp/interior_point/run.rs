@@ -2,8 +2,8 @@
 
 use super::super::core::Start;
 
-/// Limit of a barrier term relative to the largest multiplier of a state. The larger of this limit and the absolute limit
-/// applies. A smaller limit would slow the growth of large multipliers.
+/// Limit of a barrier term relative to the largest multiplier of a state. An absolute limit also exists, and
+/// the larger limit applies. A smaller value would slow the growth of large multipliers.
 pub(super) const STIFFNESS: f64 = 1e6;
 /// Factor of both limits of the barrier terms if a factorization failed or its steps were inexact because of rounding.
 pub(super) const CAP_CUT: f64 = 1e-2;
@@ -15,17 +15,19 @@ pub(super) const PATIENCE: usize = 3;
 /// State at the start of an iteration.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct State {
-    /// Quadratic part `zᵀHz` of the cost, and the cost.
+    /// Quadratic part `zᵀHz` of the cost with the Hessian H at the iterate z.
     pub(super) quadratic: f64,
+    /// Cost at the iterate.
     pub(super) cost: f64,
-    /// `Σ sλ`, and the largest residual of a bound or row.
+    /// Sum `Σ sλ` over slacks s and multipliers λ.
     pub(super) gap: f64,
+    /// Largest residual of a bound or row.
     pub(super) residual: f64,
-    /// Largest multiplier.
+    /// Largest multiplier of a bound or row.
     pub(super) force: f64,
 }
 
-/// Quantities of a run.
+/// State of a run of the method from one iteration to the next.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Run {
     pub(super) start: Start,
@@ -37,15 +39,15 @@ pub(super) struct Run {
     pub(super) crawl: usize,
     /// Whether the problem has soft bounds or rows.
     pub(super) soft: bool,
-    /// Number of complementarity pairs.
+    /// Number of complementarity pairs, for example of a slack and its multiplier.
     pub(super) count: f64,
-    /// Gap at the start.
+    /// Gap at the start of the run.
     pub(super) start_gap: f64,
     /// Largest diagonal term of the Newton system.
     pub(super) cap: f64,
     /// Largest diagonal term relative to the largest multiplier.
     pub(super) stiffness: f64,
-    /// Remaining share `Π (1 − α)` of the dual residual.
+    /// Share `Π (1 − α)` of the dual residual that remains after steps of the lengths α.
     pub(super) shrink: f64,
     pub(super) iterations: usize,
     /// Number of iterations after which the present start ends.
@@ -55,9 +57,11 @@ pub(super) struct Run {
     pub(super) best: (f64, f64),
     /// Residual at the last test for stalling.
     pub(super) checkpoint: f64,
-    /// A merit and the number of iterations since it was reached. `progress` requires a decrease to 90 %,
-    /// `pace` to 50 %.
+    /// A merit, and the number of iterations since it was reached. The next merit that is stored is below 90
+    /// % of it.
     pub(super) progress: (f64, usize),
+    /// A merit, and the number of iterations since it was reached. The next merit that is stored is below 50
+    /// % of it.
     pub(super) pace: (f64, usize),
 }
 

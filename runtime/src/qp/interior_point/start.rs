@@ -48,7 +48,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.set_slacks(gap, run);
     }
 
-    /// Computes slacks from the iterate, and multipliers for which the gap `Σ sλ` equals `gap`.
+    /// Computes slacks from the iterate, and multipliers for which the sum of the products of slacks and
+    /// multipliers equals `gap`.
     fn set_slacks(&mut self, gap: f64, run: &mut Run) {
         run.count = self.input_bounds.count() + self.state_bounds.count();
         let mu = if gap > 0.0 { gap / run.count.max(1.0) } else { 1.0 };

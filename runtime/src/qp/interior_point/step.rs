@@ -10,8 +10,9 @@ use crate::no_std::*;
 
 /// Fraction of the step to the boundary: first value far from the optimum, second value close to the optimum.
 const BOUNDARY_FRACTIONS: [f64; 2] = [0.995, 1.0 - 1e-5];
-/// Step length below which a step counts as blocked. Pairs whose product `sλ` is far below the mean cause such steps. From
-/// `SETTLED` iterations after the start on, these products are then raised to `LEAST_PRODUCT` times the mean.
+/// Step length below which a step counts as blocked. Pairs of slack s and multiplier λ whose product `sλ` is
+/// far below the mean cause such steps. From `SETTLED` iterations after the start on, these products are then
+/// raised to `LEAST_PRODUCT` times the mean.
 const BLOCKED: f64 = 1e-2;
 const LEAST_PRODUCT: f64 = 1e-2;
 const SETTLED: usize = 8;
@@ -87,8 +88,9 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.rows.follow(&mut self.step);
     }
 
-    /// Complementarity `σμ` of the centred step, from the affine step: `σ = (μ_affine/μ)³` (Mehrotra 1992).
-    /// The second result is the factor of the second-order correction.
+    /// Product `σμ` of slack and multiplier to which the centred step leads. μ is the mean product, and `σ =
+    /// (μ_affine/μ)³` follows from the affine step (Mehrotra 1992). The second result is the factor of the
+    /// second-order correction.
     fn centring(&mut self, state: &State, run: &Run) -> (f64, f64) {
         let inputs = self.input_bounds.predictor(false, &self.step.u);
         let states = self.state_bounds.predictor(run.soft, &self.step.x);

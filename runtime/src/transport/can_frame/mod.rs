@@ -34,7 +34,7 @@ pub const MAX_NODES: usize = 0x30;
 const INPUT_OFFSET: u16 = 0x10;
 const POSITION_OFFSET: u16 = 0x40;
 const RATES_OFFSET: u16 = 0x70;
-/// Largest bases for which all identifiers have 11 bits.
+/// Largest base identifier for which all identifiers of a robot have 11 bits.
 const LAST_BASE: u16 = 0x780;
 const LAST_BASE_WITH_RATES: u16 = 0x760;
 /// Allowed magnitudes of resolutions.
@@ -147,7 +147,7 @@ pub enum CanFrameError {
     /// A value is not finite, or exceeds the range of its count. A count has four bytes, or two bytes for a force.
     #[error("the value {value} is not finite, or too large for the resolution {resolution}")]
     Range {
-        /// Value that was given.
+        /// Value that does not fit in its count.
         value: f64,
         /// Resolution, which is the unit of a count.
         resolution: f64,

@@ -162,9 +162,9 @@ pub enum DatagramError {
         .given[2], .given[0], .given[1], .needed[2], .needed[0], .needed[1]
     )]
     Sizes {
-        /// N, M and NY in the datagram.
+        /// Numbers of velocities (N), inputs (M) and positions (NY) in the datagram.
         given: [usize; 3],
-        /// N, M and NY of this robot.
+        /// Numbers of velocities (N), inputs (M) and positions (NY) of this robot.
         needed: [usize; 3],
     },
     /// The datagram was damaged.
@@ -173,9 +173,9 @@ pub enum DatagramError {
     /// A byte has an invalid value: the kind, the brakes, the contents or padding.
     #[error("byte {position} of the datagram has the invalid value {value}")]
     Byte {
-        /// Index of the byte.
+        /// Index of the invalid byte.
         position: usize,
-        /// Value of the byte.
+        /// Value of the invalid byte.
         value: u8,
     },
     /// An input is NaN or infinite.
@@ -211,7 +211,7 @@ impl<const N: usize, const M: usize, const NY: usize> Message<N, M, NY> {
         }
     }
 
-    /// Value of byte 21 of this datagram.
+    /// Byte 21 of the datagram: measured quantities, or frame of a push.
     fn contents(&self) -> u8 {
         match self {
             Self::Measured { velocities, torques, .. } => {
@@ -222,7 +222,9 @@ impl<const N: usize, const M: usize, const NY: usize> Message<N, M, NY> {
         }
     }
 
-    /// Number of values of a kind with this byte 21; `None` for an unknown kind.
+    /// Number of values in a datagram of a kind; `None` for an unknown kind.
+    ///
+    /// - `contents`: byte 21 of the datagram
     fn values(kind: u8, contents: u8) -> Option<usize> {
         match kind {
             1 | 3 | 4 | 5 | 7 | 9 => Some(0),
@@ -417,7 +419,7 @@ impl<const N: usize> Push<N> {
     }
 }
 
-/// N, M and NY − N as bytes.
+/// Numbers of velocities, of inputs, and of positions minus velocities, as bytes.
 ///
 /// # Errors
 /// [`DatagramError::TooLarge`] if the values do not fit in a datagram.

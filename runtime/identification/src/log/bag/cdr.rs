@@ -11,7 +11,7 @@ pub(super) struct JointState {
     /// Time stamp in seconds and nanoseconds.
     pub(super) stamp: (i32, u32),
     pub(super) names: Vec<String>,
-    /// Positions, velocities and efforts.
+    /// Lists of positions, velocities and efforts of the message.
     pub(super) values: [Vec<f64>; 3],
 }
 

@@ -12,10 +12,10 @@ const MESSAGE: u8 = 5;
 const CHUNK: u8 = 6;
 const END_OF_DATA: u8 = 15;
 
-/// First bytes of a file.
+/// First bytes of an MCAP file.
 pub(super) const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
-/// Reads all messages.
+/// Reads all joint states of the file into `bag`.
 pub(super) fn read(bytes: &[u8], bag: &mut Bag) -> Result<(), String> {
     let mut schemas = BTreeMap::new();
     let records = bytes.get(MAGIC.len()..).unwrap_or_default();

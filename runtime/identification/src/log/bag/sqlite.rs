@@ -3,12 +3,12 @@
 use super::bytes::Bytes;
 use super::topics::Bag;
 
-/// First bytes of a file.
+/// First bytes of an SQLite file.
 pub(super) const MAGIC: &[u8] = b"SQLite format 3\0";
 
 const BROKEN: &str = "the SQLite file is incomplete: repair it with `sqlite3 FILE .recover`";
 
-/// Reads all messages.
+/// Reads all joint states of the file into `bag`.
 pub(super) fn read(bytes: &[u8], bag: &mut Bag) -> Result<(), String> {
     let file = File::new(bytes).ok_or(BROKEN)?;
     let mut tables = [None; 2];

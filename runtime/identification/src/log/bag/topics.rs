@@ -17,7 +17,7 @@ pub(super) struct Bag {
     topics: BTreeMap<i64, [String; 2]>,
     /// Topic, time of arrival in ns, and content of each message.
     messages: Vec<(i64, i64, JointState)>,
-    /// Bytes of all messages.
+    /// Total number of bytes of all messages.
     size: u64,
 }
 

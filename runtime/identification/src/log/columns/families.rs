@@ -53,6 +53,8 @@ pub(in crate::log) struct Targets {
 }
 
 impl Targets {
+    /// Targets with the spellings of their names, by which columns are found.
+    ///
     /// - `others`: second name of each joint or input, or an empty slice
     pub(super) fn new(names: &[String], others: &[Option<String>]) -> Self {
         let spelled: Vec<Vec<String>> = names.iter().map(|n| words(n)).collect();
@@ -233,8 +235,8 @@ fn by_number(headers: &[Header], targets: &Targets, listed: Option<&[String]>) -
     with_combined(found).into_iter().filter_map(family).collect()
 }
 
-/// Returns the index of the number by which the columns of a shape differ: the number with the most different values, and
-/// of several such numbers the last one.
+/// Returns the index of the number by which columns with otherwise equal words differ: the number with the
+/// most different values. If several numbers have the most values, it is the last one.
 fn varying_slot(headers: &[Header], shape: &[String], members: &[usize]) -> usize {
     let values = |slot: usize| {
         let mut values: Vec<&str> = members.iter().map(|m| headers[*m].words[slot].as_str()).collect();
@@ -282,8 +284,9 @@ fn alone(headers: &[Header]) -> Vec<Family> {
     plain.filter_map(family).collect()
 }
 
-/// Returns the families of a quantity with components. Their columns differ only in the letter of the component. The doubt
-/// is 0 if the header has the joint's name, 1 if the header has no name, otherwise 2.
+/// Returns the families of a quantity with components. Their columns differ only in the letter of the
+/// component. The doubt (uncertainty) is 0 if the header has the joint's name, 1 if the header has no name,
+/// otherwise 2.
 ///
 /// - `joint`: words of the joint's name
 pub(super) fn by_component(headers: &[Header], kind: Kind, joint: &[String]) -> Vec<Family> {

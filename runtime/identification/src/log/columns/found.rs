@@ -19,7 +19,7 @@ pub(in crate::log) struct Column {
     /// Name of the column for `--columns`: its header or its number.
     pub written: String,
     pub unit: Unit,
-    /// The unit in words.
+    /// Unit of the column in words, for messages.
     pub unit_words: String,
     /// Whether the unit comes from the user or from the quantity, not from the header.
     pub is_stated: bool,

@@ -30,6 +30,8 @@ pub(super) struct Header {
 }
 
 impl Header {
+    /// The header of column `index`, split into words and unit.
+    ///
     /// - `below`: field of the column in the row of units
     pub(super) fn new(index: usize, text: &str, below: Option<&str>) -> Self {
         let (rest, bracketed, odd) = take_unit(text);
@@ -122,8 +124,9 @@ pub(super) fn is_number(word: &str) -> bool {
     word.bytes().all(|b| b.is_ascii_digit())
 }
 
-/// Shortest part of a German compound, and the letters between two parts.
+/// Smallest number of letters of a part of a German compound.
 const SHORTEST: usize = 3;
+/// Letters between two parts of a German compound.
 const LINKS: [&str; 4] = ["", "s", "n", "en"];
 
 /// Returns the English words for a word in lower case. A word without a translation is returned unchanged.
@@ -158,7 +161,7 @@ fn compound(word: &str) -> Option<[&str; 2]> {
     })
 }
 
-/// Returns a letter in the spelling of the table.
+/// Returns a letter without its accent, as in the table of words: `é` is `e`, `ß` is `ss`.
 fn without_accent(letter: char) -> impl Iterator<Item = char> {
     const ACCENTS: [(&str, &str); 8] = [
         ("àáâä", "a"),

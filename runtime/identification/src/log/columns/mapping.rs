@@ -28,7 +28,7 @@ pub(in crate::log) struct Mapping {
     pub labels: Labels,
     /// One line of text for each quantity.
     pub brief: Vec<String>,
-    /// Warnings about the assignment.
+    /// Warnings about the assignment of columns to quantities.
     pub warnings: Vec<Finding>,
     /// Headers of the columns that are not used.
     pub unused: Vec<String>,

@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 
 use Role::{Angle, Body, Motor, Other, Plain};
 
-/// A quantity of columns.
+/// A quantity that columns of a log can contain, for example position.
 pub(super) struct Quantity {
     kind: Kind,
     /// Names of the quantity in `--columns`.
@@ -176,7 +176,7 @@ fn rows() -> impl Iterator<Item = Row> {
         .chain(WORDS.iter().map(|(role, english, others)| (*role, 0, *english, *others)))
 }
 
-/// Index of all words.
+/// Known words of headers, each with its role and translation.
 static INDEX: LazyLock<BTreeMap<&str, Known>> = LazyLock::new(|| {
     let of = |(role, doubt, english, others): Row| {
         let first = english.split(' ').next();

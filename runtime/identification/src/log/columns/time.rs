@@ -12,7 +12,7 @@ use super::pattern::Chosen;
 use super::table::Kind;
 use gelenk_findings::Finding;
 
-/// Column of times.
+/// Column of the times of a log, with its unit.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::log) struct TimeColumn {
     /// Column of the times, or of their whole seconds; `None` if rows are counted.

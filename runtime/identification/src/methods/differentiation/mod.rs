@@ -58,8 +58,10 @@ fn rms_difference(a: &[f64], b: &[f64]) -> f64 {
     (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
 }
 
-/// Applies the discrepancy principle (Morozov 1966) by bisection. The result is the number nearest to `beyond`, up to
-/// `width`, at which noise `explains` the residual. Noise must explain the residual at the number `explained`.
+/// Returns the number nearest to `beyond` at which noise still explains the residual (discrepancy principle;
+/// Morozov 1966). The number is found by bisection, up to `width`.
+///
+/// - `explained`: a number at which noise explains the residual
 ///
 /// # Errors
 /// The errors are those of `explains`.

@@ -12,8 +12,8 @@ use crate::error::{Result, require_setting};
 
 /// Settings of the total-variation regularization.
 ///
-/// The smoothed signal s of the measured signal f minimizes `½ ‖s − f‖² + γ Δt Σ √((D s)² + ε)` with the period Δt. D is
-/// the divided difference of order `order` + 1.
+/// The smoothed signal s of the measured signal f minimizes `½ ‖s − f‖² + γ Δt Σ √((D s)² + ε)` with the
+/// weight γ, the period Δt and the constant ε. D is the divided difference of order `order` + 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TotalVariation {
     /// Order of the derivative whose variation is penalized: 1 for piecewise constant velocities, 2 for piecewise linear
@@ -21,34 +21,37 @@ pub struct TotalVariation {
     pub order: usize,
     /// Rule for the weight γ of the variation.
     pub regularization: Regularization,
-    /// Constant ε under the square root, in (unit of the signal / s^(order+1))². For a small ε the derivative jumps. If this field
-    /// is `None`, ε is the mean square of the divided difference of a quadratically smoothed signal, which suits smooth
-    /// motions.
+    /// Constant ε under the square root, in (unit of the signal / s^(order+1))². For a small ε the derivative
+    /// jumps. `None` is possible only with [`Regularization::Noise`]. ε is then the mean square of the
+    /// divided difference of a quadratically smoothed signal, which suits smooth motions.
     pub epsilon: Option<f64>,
     /// Largest number of iterations.
     pub iterations: usize,
-    /// Largest change of a sample of s at which the iterations end, as a share of the signal's range.
+    /// Largest change of a sample of the smoothed signal at which the iterations end, as a share of the
+    /// signal's range.
     pub tolerance: f64,
 }
 
-/// Rule for the weight γ.
+/// Rule for the weight γ of the variation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Regularization {
-    /// A given weight γ.
+    /// A given weight γ of the variation.
     Weight(f64),
-    /// Standard deviation σ of the noise. By the discrepancy principle (Morozov 1966), γ is the largest weight for which
-    /// `rms(s − f)` does not exceed σ, apart from a margin for chance.
+    /// Standard deviation σ of the signal's noise. The weight γ of the variation follows from the discrepancy
+    /// principle (Morozov 1966). It is the largest γ for which the rms of the smoothed minus the measured
+    /// signal does not exceed σ, apart from a margin for chance.
     Noise(f64),
 }
 
-/// Minimizer of the functional, with its derivative between the samples.
+/// Smoothed signal that minimizes the total-variation functional, with its derivative between the samples.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct TotalVariationResult {
     /// Smoothed signal s at the samples.
     pub signal: Vec<f64>,
-    /// Slopes `(sᵢ₊₁ − sᵢ)/Δtᵢ` between the samples. There is one entry less than in the signal.
+    /// Slopes `(sᵢ₊₁ − sᵢ)/Δtᵢ` of the smoothed signal s between the samples. There is one entry less than in
+    /// the signal.
     pub derivative: Vec<f64>,
-    /// Weight γ.
+    /// Weight γ of the variation.
     pub gamma: f64,
     /// Number of iterations.
     pub iterations: usize,
@@ -66,8 +69,8 @@ impl TotalVariation {
         }
     }
 
-    /// Creates settings with γ from the standard deviation `sigma` of the signal's noise (see
-    /// [`super::quantization_noise`]), and with a penalty on the variation of the second derivative.
+    /// Creates settings with a penalty on the variation of the second derivative. The weight of the penalty
+    /// follows from the standard deviation `sigma` of the signal's noise (see [`super::quantization_noise`]).
     pub fn from_noise(sigma: f64) -> Self {
         Self {
             order: 2,
@@ -115,7 +118,7 @@ impl TotalVariation {
         })
     }
 
-    /// Computes the minimizer of the functional.
+    /// Computes the smoothed signal that minimizes the total-variation functional.
     ///
     /// # Errors
     /// The errors are those of [`Self::differentiate`].
@@ -148,12 +151,12 @@ struct Problem<'a, const W: usize> {
     root: Root,
 }
 
-/// Penalty on the divided difference d.
+/// Penalty on a divided difference d of the smoothed signal.
 #[derive(Clone, Copy)]
 enum Root {
-    /// `√(d² + ε)`
+    /// Penalty `√(d² + ε)` on a divided difference d, with the constant ε.
     Smoothed(f64),
-    /// `½ d²`, to estimate the scale of the signal.
+    /// Penalty `½ d²` on a divided difference d, to estimate the scale of the signal.
     Quadratic,
 }
 
@@ -240,7 +243,8 @@ impl<'a, const W: usize> Problem<'a, W> {
         TotalVariationResult { signal: s, derivative, gamma, iterations }
     }
 
-    /// Computes the lower band of `I + γ Δt Dᵀ W D`.
+    /// Computes the lower band of `I + γ Δt Dᵀ W D`, with the weight γ, the period Δt, the divided difference
+    /// D and the weights W at the signal s.
     fn assemble(&self, gamma: f64, s: &[f64], band: &mut Band<W>) {
         band.fill(std::array::from_fn(|k| if k == 0 { 1.0 } else { 0.0 }));
         let weight = gamma * self.step;

@@ -1,6 +1,6 @@
 //! Expressions over named channels, for example library terms such as `v*abs(v)` and `tanh(5*v)`.
 //!
-//! The language is that of robot descriptions ([`gelenk_formula`]), so that the same text has the same meaning in both.
+//! The language is that of robot descriptions ([`gelenk_formula`]), so that a text has the same meaning here as in a description.
 //! Several expressions are compiled to one `Program`, which computes common parts once. It processes blocks of samples,
 //! with one loop per operation.
 

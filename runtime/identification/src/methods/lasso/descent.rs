@@ -17,7 +17,8 @@ pub(super) struct Problem {
     pub(super) nonnegative: Vec<bool>,
 }
 
-/// Coefficients w, and correlations c = b − G w of the terms with the residual.
+/// Coefficients w, and correlations c = b − G w of the terms with the residual. G is the Gram matrix of the
+/// terms, and b are their products with the target.
 pub(super) struct State {
     pub(super) w: DVector<f64>,
     c: DVector<f64>,
@@ -212,7 +213,8 @@ impl Problem {
         step
     }
 
-    /// Returns the primal minus the dual objective. The dual point is `s (y − Θ w)/N` with the largest feasible s.
+    /// Returns the primal minus the dual objective. The dual point is `s (y − Θ w)/N` with the largest
+    /// feasible s, the target y, the terms Θ, the coefficients w and N samples.
     fn gap(&self, lambda: f64, state: &State) -> f64 {
         let fitted = self.b.dot(&state.w);
         let residual_target = self.energy - fitted;

@@ -14,7 +14,8 @@ use super::moments::Moments;
 use descent::{Problem, State};
 use nalgebra::{DMatrix, DVector};
 
-/// Converts λ of `1/(2N) ‖y − Θ ξ‖² + λ ‖ξ‖₁` to λ' of `‖y − Θ ξ‖² + λ' ‖ξ‖₁`.
+/// Converts the weight λ of `1/(2N) ‖y − Θ ξ‖² + λ ‖ξ‖₁` to the weight λ' of `‖y − Θ ξ‖² + λ' ‖ξ‖₁`, for N
+/// samples of the target y and the terms Θ with the coefficients ξ.
 pub(crate) fn paper_lambda(lambda: f64, samples: usize) -> f64 {
     2.0 * samples as f64 * lambda
 }
@@ -49,9 +50,9 @@ impl Default for Lasso {
 /// Solutions of the LASSO for a sequence of weights λ of the penalty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LassoPath {
-    /// Values of λ, descending.
+    /// Weights λ of the penalty, descending.
     pub lambdas: Vec<f64>,
-    /// Coefficients ξ of the p terms: one row for each term, one column for each λ.
+    /// Coefficients ξ of the terms: one row for each term, one column for each λ.
     pub coefficients: DMatrix<f64>,
     /// Duality gap of each solution: an upper bound of its objective minus the smallest objective.
     pub gaps: Vec<f64>,

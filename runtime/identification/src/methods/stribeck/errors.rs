@@ -45,8 +45,9 @@ pub(super) fn summarize(data: &Data, state: &Normal) -> StribeckFit {
 /// Squared share of the torques below which the influence of a parameter is only rounding.
 const ROUNDING: f64 = 1e-24;
 
-/// Returns JᵀWJ with the derivatives J of the law and the weights W. The rows and columns of a3 and a5 are zero if the law
-/// does not depend on these parameters, for example if a2 and a4 are zero.
+/// Returns JᵀWJ with the derivatives J of the law with respect to its parameters a1 … a5, and the weights W.
+/// The rows and columns of a3 and a5 are zero if the law does not depend on these parameters, for example if
+/// a2 and a4 are zero.
 fn shown(data: &Data, state: &Normal) -> SMatrix<f64, 5, 5> {
     let energy = data.samples.energy();
     let mut information = state.h;
@@ -59,8 +60,9 @@ fn shown(data: &Data, state: &Normal) -> SMatrix<f64, 5, 5> {
     information
 }
 
-/// Returns `H⁻¹` with zeros for parameters that are not identifiable, a flag for each parameter that is not identifiable,
-/// and the condition number of the scaled sensitivities.
+/// Returns the inverse of the matrix H of the normal equations, a flag for each parameter that is not
+/// identifiable, and the condition number of the scaled sensitivities. The rows and columns of parameters
+/// that are not identifiable are zero.
 fn inverse(h: &SMatrix<f64, 5, 5>) -> (SMatrix<f64, 5, 5>, [bool; 5], f64) {
     let d = h.diagonal().map(|h| if h > 0.0 { h.sqrt() } else { 1.0 });
     let scaled = SMatrix::<f64, 5, 5>::from_fn(|i, j| h[(i, j)] / (d[i] * d[j]));
@@ -138,7 +140,8 @@ impl StribeckFit {
         change(&all, &left, &score)
     }
 
-    /// Returns `(JᵀJ)⁻¹ Jᵀ F` for other columns F, with zeros for parameters that are not identifiable.
+    /// Returns the least-squares coefficients `(JᵀJ)⁻¹ Jᵀ F` of other columns F on the derivatives J of the
+    /// law, with zeros for parameters that are not identifiable.
     pub(crate) fn map(&self, at: &Sensitivities, others: &[Vec<f64>]) -> DMatrix<f64> {
         let (inverse, ..) = inverse(&self.information);
         DMatrix::from_fn(5, 5, |i, k| inverse[(i, k)]) * at.products(others, |_| true)
@@ -152,7 +155,7 @@ pub(crate) struct Sensitivities {
 }
 
 impl Sensitivities {
-    /// Returns `Jᵀ F` over the kept samples.
+    /// Returns the products `Jᵀ F` of the law's derivatives J with other columns F over the kept samples.
     fn products(&self, others: &[Vec<f64>], kept: impl Fn(usize) -> bool) -> DMatrix<f64> {
         let product = |one: &[f64], other: &[f64]| -> f64 {
             let samples = (0..one.len()).filter(|i| kept(*i));

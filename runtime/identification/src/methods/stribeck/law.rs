@@ -11,7 +11,7 @@ pub(crate) const NAMES: [&str; 5] = FrictionPart::STRIBECK_KEYS;
 
 /// Returns the friction torque of the Stribeck law at velocity `v` (in rad/s or m/s), in N·m or N.
 ///
-/// - `a`: parameters a1 … a5 of [the law](crate::methods::stribeck)
+/// - `a`: parameters of the law `a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)`
 pub fn stribeck_torque(v: f64, a: &[f64; 5]) -> f64 {
     a[0] * v + a[1] * (a[2] * v).tanh() + a[3] * (-a[4] * v.abs()).exp() * (3.0 * a[2] * v).tanh()
 }
@@ -21,14 +21,15 @@ pub(crate) fn slower(speed: f64) -> impl Iterator<Item = f64> {
     (0..=180).map(move |i| speed * 0.95_f64.powi(i))
 }
 
-/// Returns the derivatives of the Stribeck law with respect to a1 … a5 at velocity `v`.
+/// Returns the derivatives of the Stribeck torque at velocity `v` with respect to the parameters a1 … a5.
 pub(crate) fn stribeck_gradient(v: f64, a: &[f64; 5]) -> [f64; 5] {
     let mut columns = [[0.0; BLOCK]; 6];
     stribeck_block(&[v], &[0.0], a, &mut columns);
     std::array::from_fn(|i| columns[i][0])
 }
 
-/// Computes the columns ∂τ/∂a and the residual of the law over one block.
+/// Computes the derivatives ∂τ/∂a of the torque τ with respect to the parameters a, and the residual of the
+/// law, over one block.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
 pub(super) fn stribeck_block(v: &[f64], torque: &[f64], a: &[f64; 5], columns: &mut [[f64; BLOCK]; 6]) {
     let n = v.len().min(torque.len()).min(BLOCK);
@@ -72,8 +73,8 @@ impl Default for StribeckRegression {
 /// Result of the regression of a Stribeck law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StribeckFit {
-    /// Parameters a1 … a5 of [the law](crate::methods::stribeck). For a revolute joint their units are N·m·s/rad, N·m,
-    /// s/rad, N·m, s/rad.
+    /// Parameters of the law `a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)` with the velocity v. For a
+    /// revolute joint their units are N·m·s/rad, N·m, s/rad, N·m, s/rad.
     pub parameters: [f64; 5],
     /// Constant torque of each run in addition to the law, in N·m or N; empty if the regression has no offsets.
     pub offsets: Vec<f64>,
@@ -100,7 +101,8 @@ pub struct StribeckFit {
     pub converged: bool,
     /// Warnings about the parameters, with numbers.
     pub warnings: Vec<Finding>,
-    /// JᵀWJ at the result, with the derivatives J and the weights W, after the elimination of the offsets.
+    /// Matrix JᵀWJ at the result. J are the derivatives of the torques with respect to the parameters,
+    /// without the part that offsets explain, and W are the weights of the samples.
     pub(super) information: SMatrix<f64, 5, 5>,
 }
 

@@ -28,7 +28,8 @@ pub(crate) struct Observed<'a> {
 }
 
 impl Observed<'_> {
-    /// Returns the columns ∂τ/∂a and the residual of the law at some samples.
+    /// Returns the derivatives ∂τ/∂a of the torque τ with respect to the parameters a, and the residual of
+    /// the law, at some samples.
     ///
     /// - `rows`: at most [`BLOCK`] samples
     /// - `passed`: filtered columns of all samples; `None` if there is no filter
@@ -65,7 +66,7 @@ impl Observed<'_> {
         Some(columns)
     }
 
-    /// Returns Σ τ².
+    /// Returns the sum of squares Σ τ² of the torques.
     pub(super) fn energy(&self) -> f64 {
         self.torque.iter().map(|t| t * t).sum()
     }
@@ -76,7 +77,8 @@ impl Observed<'_> {
     }
 }
 
-/// Columns ∂τ/∂a and residual of the law at all samples.
+/// Derivatives ∂τ/∂a of the torque τ with respect to the parameters a, and residual of the law, at all
+/// samples.
 type Columns = [Vec<f64>; WIDTH];
 
 fn evaluated(v: &[f64], torque: &[f64], a: &[f64; 5]) -> Columns {
@@ -104,7 +106,7 @@ pub(super) struct Normal {
     pub(super) cost: f64,
     pub(super) h: SMatrix<f64, 5, 5>,
     pub(super) g: SVector<f64, 5>,
-    /// Best offset of each run at this point.
+    /// Best offset of each run for the parameters of this point.
     pub(super) offsets: Vec<f64>,
     /// Mean of the derivatives in each run. A step of the parameters changes the offset by minus the product of the step
     /// and this mean.

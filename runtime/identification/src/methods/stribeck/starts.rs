@@ -1,4 +1,5 @@
-//! Search for the global minimum: starts on a grid over (a3, a5), which are refined on a part of the samples.
+//! Search for the global minimum. Its starts are on a grid over a3 (slope at zero velocity) and a5 (inverse
+//! of the Stribeck speed), and are refined on a part of the samples.
 
 use super::super::filtered::{Filtered, FilteredRun};
 use super::law::{StribeckRegression, slower, stribeck_torque};
@@ -7,8 +8,9 @@ use crate::error::{IdentificationError, Result};
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
-/// Size of the grid over (a3, a5).
+/// Number of values of the parameter a3 in the grid. a3 is the steepness of the Stribeck law at rest.
 const STEEPNESSES: usize = 8;
+/// Number of values of the parameter a5 in the grid. a5 is the inverse of the Stribeck speed.
 const DECAYS: usize = 6;
 
 /// Largest number of samples in the search.
@@ -122,8 +124,9 @@ fn grid(data: &Data, fastest: f64) -> Vec<Vec<Option<Normal>>> {
     (0..STEEPNESSES).map(row).collect()
 }
 
-/// Solves least squares for (a1, a2, a4) and the offsets at given (a3, a5); `None` if the cost is not finite. A slight
-/// damping makes few samples sufficient.
+/// Solves least squares for the linear parameters (a1, a2, a4) of the Stribeck law and the offsets, at given
+/// nonlinear parameters (a3, a5); `None` if the cost is not finite. A slight damping makes few samples
+/// sufficient.
 fn linear_part(data: &Data, a3: f64, a5: f64) -> Option<Normal> {
     const LINEAR: [usize; 3] = [0, 1, 3];
     // If a1, a2 and a4 are zero, the residual is the torque.

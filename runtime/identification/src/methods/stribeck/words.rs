@@ -12,17 +12,20 @@ pub(crate) struct Estimate {
     pub(crate) standard_error: Option<f64>,
 }
 
-/// Physical parameters of a Stribeck law, which follow from a1 … a5. At speeds v above the width 1/a3 of the step at zero,
-/// the law is `F_v v + F_c + (F_s − F_c) exp(−v/v_s)`.
+/// Physical parameters of a Stribeck law, which follow from its parameters a1 … a5. At speeds v above the
+/// width 1/a3 of the step at zero, the law is `F_v v + F_c + (F_s − F_c) exp(−v/v_s)` with viscous friction
+/// F_v, Coulomb friction F_c, static friction F_s and the Stribeck speed v_s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StribeckWords {
-    /// Coulomb friction F_c = a2, in N·m or N.
+    /// Coulomb friction F_c, in N·m or N: the parameter a2 of the law.
     pub coulomb: Estimate,
-    /// Static friction F_s = a2 + a4, in N·m or N: the torque at which the joint begins to move.
+    /// Static friction F_s = a2 + a4, in N·m or N: the torque at which the joint begins to move. a2 and a4
+    /// are parameters of the law.
     pub static_friction: Estimate,
-    /// Stribeck speed v_s = 1/a5, in rad/s or m/s. At this speed F_s − F_c has fallen to 1/e of its value at rest.
+    /// Stribeck speed v_s = 1/a5, in rad/s or m/s. At this speed, the difference of
+    /// friction from Coulomb friction has fallen to 1/e of its value at rest.
     pub stribeck_speed: Estimate,
-    /// Viscous friction F_v = a1, in N·m s/rad or N s/m.
+    /// Viscous friction F_v, in N·m s/rad or N s/m: the parameter a1 of the law.
     pub viscous: Estimate,
 }
 
