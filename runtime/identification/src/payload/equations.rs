@@ -76,7 +76,11 @@ impl Equations {
         let columns = Columns::new(robot, without.iter().chain(with), body)?;
         let count = |runs: &[PreparedRun]| runs.iter().map(|run| run.times.len()).sum::<usize>();
         let samples = count(without) + count(with);
-        require_samples("a payload, samples of both logs", levels::BLOCKS.get() * PER_BODY, samples)?;
+        require_samples(
+            "the estimate of a payload from both logs",
+            levels::BLOCKS.get() * PER_BODY,
+            samples,
+        )?;
         let length = samples.div_ceil(levels::BLOCKS.get());
         let mut blocks = Vec::new();
         columns.add_blocks(without, false, length, &mut blocks);
@@ -111,7 +115,7 @@ impl Equations {
     /// which is found by iteration.
     pub(super) fn weights(&self) -> Result<Vec<f64>> {
         let all: Vec<Sums> = (0..self.joints).map(|j| self.joint(j)).collect();
-        require_samples("a payload, samples of moving joints", 1, all.iter().map(|s| s.rows).sum())?;
+        require_samples("the estimate of a payload from moving joints", 1, all.iter().map(|s| s.rows).sum())?;
         let last = self.nuisance + PER_BODY;
         let weight = |square: f64, sums: &Sums| {
             let floor = QUIETEST * QUIETEST * sums.gram[(last, last)];
@@ -395,7 +399,7 @@ fn to_joints(robot: &dyn Robot, effort: Effort) -> Result<DMatrix<f64>> {
 fn singular(what: &str) -> IdentificationError {
     IdentificationError::NoSolution {
         reason: format!(
-            "the equations of {what} are singular up to rounding; record a longer motion in which more joints move"
+            "the equations of {what} are singular up to rounding: record a longer motion in which more joints move"
         ),
     }
 }
