@@ -325,7 +325,7 @@ fn what_c_does_not_have_is_refused() {
     for command in ["generate", "check"] {
         let (code, text) = gelenk(folder, &format!("{command} --language c"));
         assert_eq!(code, 2);
-        assert!(text.contains("of models/ is written to a Rust crate"), "{text}");
+        assert!(text.contains("only the Rust crate of models/ can be generated"), "{text}");
     }
 }
 

@@ -254,9 +254,9 @@ impl<'a> Described<'a> {
         let (joints, inputs) = (robot.joint_names().len(), robot.input_names().len());
         let effort = runs.first().map_or(Effort::Joint, |run| run.effort);
         let cases = [
-            ("joints have quaternions", !robot.quaternion_joints().is_empty()),
-            ("joints are driven", robot.unmeasured().contains(&true)),
-            ("inputs act at frames", robot.has_inputs_at_frames()),
+            ("some joints have quaternions", !robot.quaternion_joints().is_empty()),
+            ("the motion of some joints is prescribed (`driven`)", robot.unmeasured().contains(&true)),
+            ("some inputs act at frames", robot.has_inputs_at_frames()),
         ];
         if let Some((reason, _)) = cases.iter().find(|(_, holds)| *holds) {
             return Err(fault(

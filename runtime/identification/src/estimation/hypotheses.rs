@@ -213,8 +213,8 @@ pub(super) fn is_driving(finding: &Finding) -> bool {
 }
 
 fn driving() -> Finding {
-    let message = "its estimated friction drives it instead of braking it. With the other sign of its effort, friction would brake, but the fit would \
-                   not be better";
+    let message = "its estimated friction drives it instead of braking it. With the other sign of its effort, friction would brake, but the \
+                   fit would not be better";
     let remedy = "check the sign, the unit and the assignment of its columns, and whether the robot's controller compensates friction";
     DRIVING.found(message).help(remedy)
 }
