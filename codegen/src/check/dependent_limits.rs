@@ -42,7 +42,7 @@ impl<'d> Limited<'d> {
     /// The joint that carries a moving link.
     fn joint(&self, link: usize) -> &'d JointDescription {
         let joint = self.tree.joints[link];
-        &self.robot.joints[joint.unwrap_or_else(|| unreachable!("what moves has a joint"))]
+        &self.robot.joints[joint.unwrap_or_else(|| unreachable!("a moving link has a joint"))]
     }
 
     /// Returns each ratio of a follower with the limits of the followed joint.
