@@ -85,7 +85,7 @@ pub enum LqrError {
     #[error("the system or its weights contain a number that is not finite")]
     NotFinite,
     /// `R + BᵀPB` is not positive definite.
-    #[error("R + BᵀPB is not positive definite; choose a positive definite input weight")]
+    #[error("R + BᵀPB is not positive definite: choose a positive definite input weight")]
     NotPositive,
     /// The Riccati equation has no stabilizing solution. Either (A, B) is not stabilizable, or a mode of A on or
     /// outside the unit circle does not appear in the cost. The number is the relative residual after the last
