@@ -184,7 +184,9 @@ fn functions_for_casadi_of_a_cart_pole() {
     let (code, text) = gelenk(folder.path(), line);
     assert_eq!(code, 0, "{text}");
     assert!(
-        text.contains("these functions for CasADi are not written: `inverse_dynamics` (`inverse_dynamics`), `step` (`step`)"),
+        text.contains(
+            "because the module lacks the functions in parentheses: `inverse_dynamics` (`inverse_dynamics`), `step` (`step`)"
+        ),
         "{text}"
     );
     insta::assert_snapshot!(read(folder.path(), "cart_pole_casadi.c"));

@@ -157,7 +157,7 @@ fn smaller(size: f64) -> Option<Finding> {
             "this motion has only {:.0} % of the size that the limits allow, because larger motions need more effort than the plan may use",
             100.0 * size
         );
-        SMALLER.found(message).help("give a longer --period for a larger motion")
+        SMALLER.found(message).help("give a longer period (--seconds) for a larger motion")
     })
 }
 

@@ -34,8 +34,8 @@ impl Refusals {
         }
         format!(
             "no motion was found that determines all parameters within the limits of efforts and of joints that follow others, even at \
-             a tenth of the size that the position limits allow{most}: raise the effort limits, lower --speed-share, lengthen \
-             --period, or narrow the limits of the joints that others follow"
+             a tenth of the size that the position limits allow{most}: raise the effort limits, lower --speed-share, raise \
+             --seconds, or narrow the limits of the joints that others follow"
         )
     }
 }

@@ -192,7 +192,10 @@ fn a_load_is_found_whatever_the_efforts_are() {
     );
     let other =
         estimate(&described, slice::from_ref(without()), &runs[1..], &settings).unwrap_err().to_string();
-    assert!(other.contains("its efforts are Current, but the efforts of the first run are Joint"), "{other}");
+    assert!(
+        other.contains("its efforts are currents, but those of the first run are forces at the joints"),
+        "{other}"
+    );
 }
 
 #[test]
