@@ -270,7 +270,7 @@ impl<'a> Described<'a> {
         }
         if effort == Effort::Current && robot.described_currents().contains(&false) {
             let message = "its efforts are motor currents, but the description has no motor constant: describe it (`drive = \
-                           { input = \"current\" }`)";
+                           { motor_constant = 0.06 }`)";
             return Err(fault("the log", message));
         }
         let mut matrix = [[0.0; MOST]; MOST];
@@ -318,8 +318,8 @@ impl<'a> Described<'a> {
             scales[joint] = Some(magnitudes.scale(joint, friction).ok_or_else(|| {
                 fault(
                     format!("joint {}", self.robot.joint_names()[joint]),
-                    "the size of its friction is unknown, because the description has neither its largest speed nor its \
-                     friction and effort: add the `limits` of the joint",
+                    "the magnitude of its friction is unknown, because the description lacks its speed limit, or both its \
+                     friction and its effort limit: add the `limits` of the joint",
                 )
             })?);
         }
