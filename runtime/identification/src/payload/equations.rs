@@ -70,7 +70,9 @@ impl Equations {
         body: usize,
         settings: &PayloadSettings,
     ) -> Result<Self> {
-        for (what, runs) in [("runs without the load", without), ("runs with the load", with)] {
+        for (what, runs) in
+            [("the list of runs without the load", without), ("the list of runs with the load", with)]
+        {
             require_samples(what, 1, runs.len())?;
         }
         let columns = Columns::new(robot, without.iter().chain(with), body)?;

@@ -237,7 +237,7 @@ fn bad_logs_have_messages() {
         estimate(&UR5, without, with, &settings).unwrap_err().to_string()
     };
     let default = PayloadSettings::default;
-    assert!(message(&[], good, default()).starts_with("runs without the load is empty"));
+    assert!(message(&[], good, default()).starts_with("the list of runs without the load is empty"));
     assert!(
         message(good, &[run], default()).starts_with("samples of positions of simulated: 1 are expected")
     );
