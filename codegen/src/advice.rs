@@ -42,7 +42,7 @@ fn jumps(model: &Model) -> Option<Diagnostic> {
         return None;
     }
     let message = format!(
-        "the force laws of {} have an exact `sign`; Jacobians and linearizations take its derivative as 0",
+        "the force laws of {} have an exact `sign`, whose derivative is 0 in Jacobians and linearizations",
         list(names.into_iter())
     );
     let note = Diagnostic::note("sign-derivative", message);

@@ -162,7 +162,10 @@ fn check_size(model: &Model) -> Result<(), Diagnostics> {
     match model.coordinates.len() {
         0..=MOST_VELOCITIES => Ok(()),
         count => {
-            let message = format!("{} has {count} velocities, more than {MOST_VELOCITIES}", model.name);
+            let message = format!(
+                "robot `{}` has {count} velocities, but at most {MOST_VELOCITIES} are supported",
+                model.name
+            );
             let help =
                 "hold joints (`held = { \"joint_*\" = 0 }`, `--hold`), or let joints follow other joints";
             Err(Diagnostic::error("too-many-joints", message).help(help).into())
@@ -173,7 +176,7 @@ fn check_size(model: &Model) -> Result<(), Diagnostics> {
 fn check_slope(slope: Option<f64>) -> Result<(), Diagnostics> {
     match slope {
         Some(slope) if slope <= 0.0 || !slope.is_finite() => {
-            let message = format!("the slope of the smooth sign is {slope}; it must be positive and finite");
+            let message = format!("the slope of the smooth sign must be positive and finite, not {slope}");
             let problem = Diagnostic::error("not-positive", message);
             Err(problem.help("give a positive number, e.g. 100").into())
         }

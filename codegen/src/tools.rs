@@ -77,7 +77,7 @@ pub(crate) fn notes(
     let lacking: Vec<String> = lacking.filter(|_| tools.contains(&Companion::Casadi)).collect();
     let given = listed(lacking.iter().cloned());
     let message = format!(
-        "these functions for CasADi are not written: {given}; the module lacks the functions in parentheses"
+        "these functions for CasADi are not written, because the module lacks the functions in parentheses: {given}"
     );
     let help = "choose the missing functions with `--functions` or `functions` in [generate]; functions \
                 that take wrenches have no form for CasADi";

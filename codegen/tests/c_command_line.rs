@@ -184,7 +184,9 @@ fn functions_for_casadi_of_a_cart_pole() {
     let (code, text) = gelenk(folder.path(), line);
     assert_eq!(code, 0, "{text}");
     assert!(
-        text.contains("these functions for CasADi are not written: `inverse_dynamics` (`inverse_dynamics`), `step` (`step`)"),
+        text.contains(
+            "because the module lacks the functions in parentheses: `inverse_dynamics` (`inverse_dynamics`), `step` (`step`)"
+        ),
         "{text}"
     );
     insta::assert_snapshot!(read(folder.path(), "cart_pole_casadi.c"));
@@ -325,7 +327,7 @@ fn what_c_does_not_have_is_refused() {
     for command in ["generate", "check"] {
         let (code, text) = gelenk(folder, &format!("{command} --language c"));
         assert_eq!(code, 2);
-        assert!(text.contains("of models/ is written to a Rust crate"), "{text}");
+        assert!(text.contains("only the Rust crate of models/ can be generated"), "{text}");
     }
 }
 

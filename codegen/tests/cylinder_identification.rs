@@ -211,7 +211,7 @@ fn a_plan_keeps_the_limits_of_cylinders() {
     assert!(succeeded, "{said}");
     let warning = "`bucket_cylinder` has a dead centre within the limits of joint `bucket`, at 1.63 rad";
     assert!(said.contains(warning), "{said}");
-    let words = "bucket_cylinder has a dead centre within the limits of joint bucket, so the joint moves only from -0.27 to ";
+    let words = "bucket_cylinder has a dead centre within the limits of joint bucket, so the plan moves this joint only from -0.27 to ";
     assert!(said.contains(words), "{said}");
     let found: serde_json::Value = serde_json::from_str(&said[said.find("{\n").unwrap()..]).unwrap();
     let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; 4];
@@ -238,14 +238,15 @@ fn a_plan_keeps_the_limits_of_cylinders() {
     let weak = folder.path().join("weak.toml");
     fs::write(&weak, text).unwrap();
     let (_, succeeded, said) = plan(&weak, &[]);
-    let words = "standing still in the middle of the positions already needs more than the share of the efforts that a plan may use, at input boom_cylinder:";
+    let words = "holding the robot still at the middle of its position limits already needs more effort than the plan may use, at input boom_cylinder:";
     assert!(!succeeded && said.contains(words), "{said}");
 }
 
 /// Cylinders cannot lead a joint through their dead centre, and a path is not better than a motion.
 #[test]
 fn a_way_to_the_motion_through_a_dead_centre_is_told() {
-    let words = "the path from the start needs more than the share of the effort that the plan may use, at input bucket_cylinder";
+    let words =
+        "the path from the start posture needs more effort than the plan may use, at input bucket_cylinder";
     let own = tempfile::tempdir().unwrap();
     let wide = past_the_dead_centre(own.path());
     let (_, succeeded, said) = plan(&wide, &["--start", "swing=0, boom=0.5, stick=1, bucket=2.1"]);
@@ -322,7 +323,7 @@ fn motors_beside_a_cylinder_keep_their_lines() {
     };
     fs::write(&file, line(1e-3)).unwrap();
     let (_, succeeded, said) = plan(&file, &[]);
-    let words = "standing still in the middle of the positions already needs more than the share of the efforts that a plan may use, at motor left:";
+    let words = "holding the robot still at the middle of its position limits already needs more effort than the plan may use, at motor left:";
     assert!(!succeeded && said.contains(words), "{said}");
     fs::write(&file, line(0.02)).unwrap();
     let (_, succeeded, said) = plan(&file, &["--format", "json"]);

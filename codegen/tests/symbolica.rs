@@ -210,7 +210,7 @@ fn pages_hold_closed_forms() {
 
 fn pages_say_why_they_hold_none() {
     let Page { html, data, said } = page("ur5.toml", &["--format", "json"]);
-    assert!(html.contains("up to 3 coordinates; <code>ur5</code> has 6"));
+    assert!(html.contains("up to 3 coordinates, but <code>ur5</code> has 6"));
     assert!(!data.contains("closed-form-symbols"));
     let said: serde_json::Value = serde_json::from_str(&said).unwrap();
     assert_eq!(said["robot"], "ur5");

@@ -87,7 +87,7 @@ pub enum LqrError {
     NotFinite,
     /// `R + BᵀPB` is not positive definite, with the input weights R, the input matrix B and the cost-to-go
     /// P.
-    #[error("R + BᵀPB is not positive definite; choose a positive definite input weight")]
+    #[error("R + BᵀPB is not positive definite: choose a positive definite input weight")]
     NotPositive,
     /// The Riccati equation has no stabilizing solution. Either the inputs cannot stabilize the system, or a
     /// mode of the system on or outside the unit circle does not appear in the cost. The number is the

@@ -414,8 +414,8 @@ fn a_joint_too_fast_for_the_period_is_named() {
     let steep = LightWrist { viscous: [1.0, 1000.0] };
     let options = MpcOptions::new(&steep, 0.1, 5);
     let motion = || RestToRest::new([0.0, 0.0], [0.1, 0.1], 1.0).unwrap();
-    let expected = "joint wrist is too fast to predict over a period of 0.1 s: its force has a slope of 1.000e3 N m s/rad \
-                    (or N s/m) over its speed, a rate of 1.0e9 1/s; use a model with less steep friction";
+    let expected = "the motion of joint wrist cannot be predicted over a period of 0.1 s: its force has a slope of 1.000e3 N m s/rad \
+                    (or N s/m) over its speed, a rate of 1.0e9 1/s. Use a model with less steep friction";
     let linear = LtvMpc::new(steep, motion(), options.clone());
     let nonlinear = Nmpc::new(steep, motion(), options.clone());
     for error in [linear.unwrap_err(), nonlinear.unwrap_err()] {

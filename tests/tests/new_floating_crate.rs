@@ -225,8 +225,8 @@ fn a_quadrotor_flies_once_its_propellers_are_inputs() {
     assert!(distances[0] > 0.4 && distances[20] < 0.02, "{printed}");
     // Propellers that all turn the same way, or are too weak.
     for (from, to, why) in [
-        ("-0.016", "0.016", "At rest the inputs lack a force of"),
-        ("[0, 8]", "[0, 4]", "At rest the input rotor_0 is 4.169"),
+        ("-0.016", "0.016", "To hold the robot at rest, the inputs lack a force of"),
+        ("[0, 8]", "[0, 4]", "To hold the robot at rest, the input rotor_0 must be 4.169"),
     ] {
         fs::write(made.join("robot.toml"), format!("{head}\n{}\n", propellers.replace(from, to)))
             .expect("written");

@@ -255,7 +255,8 @@ impl Resolver<'_, '_> {
         let row = self.target(&term.joint)?;
         let (ratio, value) = (&term.ratio.value, term.ratio.value.evaluate(self.defaults, 0.0, 0.0));
         if value == 0.0 || !value.is_finite() {
-            let message = format!("the ratio to joint `{}` is {}", term.joint.value, as_written(value));
+            let message =
+                format!("the ratio to joint `{}` must not be {}", term.joint.value, as_written(value));
             self.report.error(term.ratio.span, "follows-ratio", message);
             self.report.help("the ratio is joint motion per unit motion of the followed joint; it must be finite and non-zero");
             return None;

@@ -43,7 +43,7 @@ impl<'d> Limited<'d> {
     /// The joint of the description that carries a moving link.
     fn joint(&self, link: usize) -> &'d JointDescription {
         let joint = self.tree.joints[link];
-        &self.robot.joints[joint.unwrap_or_else(|| unreachable!("what moves has a joint"))]
+        &self.robot.joints[joint.unwrap_or_else(|| unreachable!("a moving link has a joint"))]
     }
 
     /// Returns each ratio of a joint to a followed joint, with the limits of the followed joint.

@@ -23,7 +23,7 @@ pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
     for joint in &robot.joints {
         if let Some(part) = &joint.part_of {
             let message = format!(
-                "joint `{}` is {}, and joint `{first}` is driven",
+                "joint `{}` is {}, but joint `{first}` has `motion = \"driven\"`",
                 part.joint.value,
                 part.kind.name()
             );
@@ -39,7 +39,7 @@ pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
         let load = joint.friction.as_ref().and_then(|friction| friction.value.load.as_ref());
         if let Some(load) = load {
             let message = format!(
-                "joint `{}` has load-dependent friction, and joint `{first}` is driven",
+                "joint `{}` has load-dependent friction, but joint `{first}` has `motion = \"driven\"`",
                 joint.name.value
             );
             report.error(load.span, CODE, message);
@@ -64,15 +64,19 @@ fn check_joint(joint: &JointDescription, span: Span, report: &mut Report) {
     } else {
         return check_drive(joint, report);
     };
-    report.error(span, CODE, format!("joint `{name}` is driven and {what}")).help(help);
+    report.error(span, CODE, format!("joint `{name}` has `motion = \"driven\"`, but {what}")).help(help);
 }
 
 fn check_drive(joint: &JointDescription, report: &mut Report) {
     let name = &joint.name.value;
     if let Some(drive) = joint.drive.as_ref().filter(|drive| !matches!(drive.value, DriveChoice::Passive)) {
-        report.error(drive.span, CODE, format!("joint `{name}` is driven, so it cannot have a drive"));
+        report.error(
+            drive.span,
+            CODE,
+            format!("joint `{name}` has `motion = \"driven\"`, so it cannot have a drive"),
+        );
         report.help(
-            "the motion of a driven joint is an argument that no input changes: remove `drive`. \
+            "the motion of this joint is prescribed, and no input changes it: remove `drive`. \
              `driving_forces` computes the required force; describe a rotor as a body that follows the \
              joint",
         );
@@ -85,7 +89,7 @@ fn check_drive(joint: &JointDescription, report: &mut Report) {
             format!("the motion and effort limits of driven joint `{name}` have no effect"),
         );
         report.help(
-            "only position limits have an effect: the states of checks and self-tests stay within these limits",
+            "only position limits have an effect, on the states of checks and self-tests: remove the other limits",
         );
     }
 }
@@ -115,7 +119,7 @@ pub(super) fn check_shared_drive(
     if row.terms.iter().all(|term| is_driven(term.coordinate)) {
         report.error(name.span, CODE, format!("drive `{}` acts only on driven joints", name.value));
         report.help(
-            "the motion of a driven joint is an argument that no input changes: remove the drive, or name a \
+            "the motion of a driven joint is prescribed, and no input changes it: remove the drive, or name a \
              joint that is not driven",
         );
     }

@@ -124,7 +124,7 @@ pub(super) fn report_duplicates<'d>(names: impl Iterator<Item = &'d Name>, what:
             continue;
         };
         let place = report.place(first.span);
-        let message = format!("two {what} are named `{}`; the other is at {place}", name.value);
+        let message = format!("two {what} are named `{}`: this one and the one at {place}", name.value);
         report.error(name.span, "duplicate-name", message).help("use different names");
     }
 }

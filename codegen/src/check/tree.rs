@@ -102,7 +102,8 @@ impl<'d> Graph<'d> {
         for link in &robot.links {
             if let Some(first) = self.numbers.get(link.value.as_str()) {
                 let place = report.place(self.names[*first].span);
-                let message = format!("two links are named `{}`; the other is at {place}", link.value);
+                let message =
+                    format!("two links are named `{}`: rename this one or the one at {place}", link.value);
                 report.error(link.span, "duplicate-name", message);
             }
             self.number(link);

@@ -133,7 +133,7 @@ pub(super) enum Command {
     /// Export a description as MJCF (MuJoCo) or URDF
     #[command(after_help = EXPORT_EXAMPLES)]
     Export(Export),
-    /// Print the model, the operation counts, the program or the Rust text
+    /// Print the model, frames, operation counts, straight-line programs, equations or Rust code of a robot
     #[command(after_help = INSPECT_EXAMPLES)]
     Inspect(Inspect),
     /// Create a small project with a robot and a simulation: a Rust crate, or a project in C, Python or ROS 2
@@ -237,10 +237,10 @@ pub(super) struct New {
     /// Estimate the friction of the robot online while it moves
     #[arg(long, conflicts_with_all = ["c", "python", "ros2", "base"])]
     pub(super) online_friction: bool,
-    /// Use the robot of this URDF or MJCF [default: an arm of two joints]
+    /// Use the robot of this URDF or MJCF [default: an arm with two joints]
     #[arg(long, visible_alias = "mjcf", value_name = "FILE")]
     pub(super) urdf: Option<PathBuf>,
-    /// Kind of base; a floating joint carries a floating base [default: as described]. Without --urdf,
+    /// Kind of base; a floating base moves freely in all six directions [default: as described]. Without --urdf,
     /// `floating` gives a quadrotor
     #[arg(long, value_enum)]
     pub(super) base: Option<BaseName>,
@@ -303,7 +303,7 @@ pub(super) struct Identify {
     /// The recorded efforts exclude the gravity torques, because the robot's controller compensates them
     #[arg(long, conflicts_with = "plan")]
     pub(super) gravity_compensated: bool,
-    /// Half-amplitude frequency of the filter over positions and efforts [default: from the data]
+    /// Half-amplitude frequency of the low-pass filter for positions and efforts [default: from the data]
     #[arg(long, value_name = "HZ", conflicts_with = "plan", value_parser = positive)]
     pub(super) bandwidth: Option<f64>,
     /// Delay of the efforts relative to the positions; 0 for none [default: from the data]
@@ -351,14 +351,14 @@ pub(super) struct Identify {
     /// Write the results even if they explain little of the data
     #[arg(long, conflicts_with = "plan")]
     pub(super) accept_poor: bool,
-    /// Reduce logs to moments, which --merge adds: a small file, independent of the length of the logs
+    /// Reduce logs to moments (sums of products of the regression): a small file of a fixed size, for --merge
     #[arg(
         long,
         requires = "output",
         conflicts_with_all = ["plan", "merge", "report", "validate"]
     )]
     pub(super) reduce: bool,
-    /// Identify from moments instead of logs, or add them if --output is *.moments
+    /// Identify from files of moments instead of logs, or only add the files if --output is *.moments
     #[arg(
         long,
         conflicts_with_all = [
@@ -388,19 +388,19 @@ pub(super) struct Identify {
     /// Largest acceleration of the plan [rad/s² or m/s²; default: reaches the largest speed in half a second]
     #[arg(long, value_name = "VALUE", requires = "plan", value_parser = positive)]
     pub(super) acceleration: Option<f64>,
-    /// Share of the described range of positions that the plan uses, about its middle
+    /// Fraction of the described position range that the plan uses, around the middle of the range
     #[arg(long, value_name = "SHARE", requires = "plan", value_parser = share, default_value_t = 0.9)]
     pub(super) position_share: f64,
     /// Largest rotation of spherical and floating joints from position 0, below π; --position-share scales this angle
     #[arg(long, value_name = "RAD", requires = "plan", value_parser = positive, default_value_t = 1.0)]
     pub(super) turn: f64,
-    /// Share of the described speeds that the plan uses
+    /// Fraction of the described speed limits that the plan uses
     #[arg(long, value_name = "SHARE", requires = "plan", value_parser = share, default_value_t = 0.7)]
     pub(super) speed_share: f64,
-    /// Share of the described efforts that the plan may need
+    /// Fraction of the described effort limits that the plan may need
     #[arg(long, value_name = "SHARE", requires = "plan", value_parser = share, default_value_t = 0.7)]
     pub(super) effort_share: f64,
-    /// Number of sines in each joint's planned motion
+    /// Number of harmonics (sine waves) in each joint's planned motion
     #[arg(long, value_name = "COUNT", requires = "plan", default_value_t = 8, value_parser = clap::value_parser!(u16).range(2..=50))]
     pub(super) harmonics: u16,
     /// Initial posture; the plan begins with a path from it to the motion, e.g. 'shoulder=0.3,elbow=-1.2' [rad or
@@ -435,7 +435,7 @@ fn methods() -> PossibleValuesParser {
 pub(super) enum DerivativeName {
     /// Derivatives of the filter that is applied to positions and efforts
     Filter,
-    /// TVDiff: total-variation regularized differentiation at the noise of each position, then the filter
+    /// TVDiff: total-variation regularized differentiation, tuned to the noise of each position, then the filter
     Tvdiff,
 }
 
@@ -464,10 +464,10 @@ pub(super) enum Stage {
     Mechanism,
     /// Operation counts of each function
     Counts,
-    /// The straight-line programs with their abbreviations
+    /// Straight-line programs of the functions, with intermediate values
     Program,
     /// M, k, q and B as expanded sums in a LaTeX document; for up to three coordinates
     Equations,
-    /// The Rust text
+    /// Rust code of the module
     Source,
 }

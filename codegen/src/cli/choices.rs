@@ -28,7 +28,7 @@ pub(super) struct Reading {
     /// Accept a robot whose mass matrix is not positive definite
     #[arg(long)]
     pub(super) accept_unphysical: bool,
-    /// Kind of base; a floating joint carries a floating base [default: as described]
+    /// Kind of base; a floating base moves freely in all six directions [default: as described]
     #[arg(long, value_enum)]
     pub(super) base: Option<BaseName>,
     /// Hold joints at VALUE [rad or m, default: 0], by a name or a pattern with `*`. Joints that mimic them are held
@@ -213,7 +213,7 @@ fn function(text: &str) -> Result<String, String> {
     }
     if PositionFunction::ALL.iter().any(|function| function.name() == name) {
         return Err(
-            "this function is always generated for robots with spherical or floating joints, and never for others"
+            "this function is always generated for robots with spherical or floating joints and never for others: leave it out"
                 .to_owned(),
         );
     }

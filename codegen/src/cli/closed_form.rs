@@ -52,7 +52,7 @@ pub(super) fn for_page(
         let words = problems.entries().iter().map(|problem| &problem.message);
         let words: Vec<&str> = words.map(String::as_str).collect();
         return Ok(Err(format!(
-            "No closed forms: {}. The intermediate values above are the equations.",
+            "This page has no closed forms: {}. The intermediate values above are the equations.",
             words.join("; ")
         )));
     }
@@ -69,9 +69,11 @@ pub(super) fn for_page(
         .status()?;
     if !status.success() {
         print::err(&format!(
-            "gelenk: the page has no closed forms: the computer algebra ended with {status}\n"
+            "gelenk: the page has no closed forms, because the computer algebra ended with {status}\n"
         ));
-        return Ok(Err("The computer algebra ended without a result when this page was made.".to_owned()));
+        return Ok(Err(
+            "This page has no closed forms, because the computer algebra ended without a result.".to_owned(),
+        ));
     }
     let value: Value = serde_json::from_str(&std::fs::read_to_string(&output)?)?;
     Ok(Ok(from_json(&value)))
@@ -116,7 +118,7 @@ fn delegate(description: &Path) -> Result<ExitCode, Failure> {
 fn write(loaded: &Loaded, arguments: &Inspect, format: Format, output: &Path) -> Result<ExitCode, Failure> {
     let mut waiting = |path: &Path| {
         print::err(&format!(
-            "gelenk: waiting for another process with Symbolica, up to {} s (lock {})\n",
+            "gelenk: waiting up to {} s for another process that uses Symbolica (lock file {})\n",
             closed_form::lock::PATIENCE.as_secs(),
             path.display()
         ));

@@ -31,7 +31,7 @@ pub(super) fn generate(arguments: &Generate, format: Format) -> Result<ExitCode,
     let is_piped = output == Some(Path::new("-"));
     if is_piped && modules.control_model.is_some() {
         return Err(Failure::Usage(
-            "--control-model makes two modules; name an output folder instead of standard output".to_owned(),
+            "--control-model makes two modules: name an output folder instead of standard output".to_owned(),
         ));
     }
     let target = Target::new(output, modules.language)?;
@@ -180,7 +180,7 @@ fn report_stale(stale: &[(PathBuf, String)], format: Format) -> Result<ExitCode,
 fn derive_all(workspace: &Workspace, modules: &Modules) -> Result<Vec<Generated>, Failure> {
     if modules.language != LanguageName::Rust {
         return Err(Failure::Usage(
-            "`--language c` needs a description; without one, all of models/ is written to a Rust crate"
+            "`--language c` needs a description: without one, only the Rust crate of models/ can be generated"
                 .to_owned(),
         ));
     }
@@ -433,7 +433,7 @@ fn relative(path: &Path) -> String {
 
 fn no_workspace() -> Failure {
     Failure::Usage(
-        "name a description; without one, a parent folder must have models/ and generated/src/".to_owned(),
+        "name a description, or run this command below a folder with models/ and generated/src/".to_owned(),
     )
 }
 

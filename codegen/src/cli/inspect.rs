@@ -33,7 +33,7 @@ pub(super) fn inspect(arguments: &Inspect, format: Format) -> Result<ExitCode, F
     };
     if arguments.latex && !matches!(what, Stage::Program | Stage::Equations) {
         return Err(Failure::Usage(
-            "--latex is an option of `inspect program`, `inspect equations` and --closed-form".to_owned(),
+            "--latex needs `inspect program`, `inspect equations` or --closed-form".to_owned(),
         ));
     }
     let workspace = Workspace::find();
@@ -64,7 +64,7 @@ fn model_of(arguments: &Inspect) -> Result<Stage, Failure> {
 /// Prints the operation counts with the size of the machine code.
 fn counts_and_bytes(robot: &Generated, what: Stage, format: Format) -> Result<ExitCode, Failure> {
     if what != Stage::Counts {
-        return Err(Failure::Usage("--bytes is an option of `inspect counts`".to_owned()));
+        return Err(Failure::Usage("--bytes needs `inspect counts`".to_owned()));
     }
     let sizes = CodeSizes::measure(&robot.source)?;
     let counts = robot.module.costs();

@@ -161,7 +161,7 @@ impl<'m> Shown<'m> {
     }
 
     fn moments(&self) -> Table {
-        let caption = "Moments of mass about the origins; masses that act only through their sum are moved towards the base. `free` marks \
+        let caption = "Masses and their moments about the origins; masses that matter only as a sum are moved towards the base. `free` marks \
                        values that depend on free parameters.";
         let mut table = Table::new("moments", caption).column("body", "body", "").column("m", "m", "kg");
         for (names, unit) in [

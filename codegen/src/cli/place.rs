@@ -148,7 +148,7 @@ pub(super) fn require_writable<'a>(
 ) -> Result<(), Failure> {
     match read.any(|known| is_same_file(known, file)) {
         true => Err(Failure::Problem(format!(
-            "{} is an input of this command and is not overwritten",
+            "{} is an input of this command and is not overwritten: name another output file",
             file.display()
         ))),
         false => folder(file).map(|_| ()),

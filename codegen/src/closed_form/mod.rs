@@ -116,7 +116,7 @@ fn check_coordinates(model: &Model) -> Result<(), Diagnostics> {
     let n = model.coordinates.len();
     if n > MAXIMUM_JOINTS {
         let message =
-            format!("closed forms support up to {MAXIMUM_JOINTS} coordinates; `{}` has {n}", model.name);
+            format!("closed forms support up to {MAXIMUM_JOINTS} coordinates, but `{}` has {n}", model.name);
         let problem = Diagnostic::error("too-many-joints", message).help(
             "hold joints in the description (`held = 0`), or print the equations with intermediate values: \
              `gelenk inspect program`",
@@ -127,7 +127,7 @@ fn check_coordinates(model: &Model) -> Result<(), Diagnostics> {
     if n + angles > MAXIMUM_ANGLES {
         let message = format!(
             "closed forms support up to {MAXIMUM_ANGLES} coordinates and constant angles together (multiples of 90° do \
-             not count); `{}` has {n} coordinates and {angles} angles",
+             not count), but `{}` has {n} coordinates and {angles} angles",
             model.name
         );
         let problem = Diagnostic::error("too-many-angles", message).help(

@@ -129,7 +129,7 @@ fn friction_basis<'g>(
         (Some(&y), _) => y,
         // This value is not used, because the basis does not depend on the position.
         (None, false) => graph.constant(0.0),
-        (None, true) => unreachable!("friction that depends on y is asked for with y"),
+        (None, true) => unreachable!("friction that depends on positions is evaluated with positions"),
     };
     lower_with(graph, &term.basis, y, v)
 }

@@ -208,7 +208,7 @@ impl<'a, 'g> FrameForces<'a, 'g> {
         let (joint, moved, fixed) = match (top(&of_b, &of_a), top(&of_a, &of_b)) {
             (Some(joint), _) => (joint, b, a),
             (None, Some(joint)) => (joint, a, b),
-            (None, None) => unreachable!("validation asks for a joint between two frames"),
+            (None, None) => unreachable!("validation requires a joint between two frames"),
         };
         let (body, placement) = (&self.mechanism.bodies[joint], &self.placements[joint]);
         let moved = self.ahead_of(Some(joint), moved) + self.lift(joint);

@@ -155,7 +155,7 @@ impl TooLarge {
         let takes = self.takes();
         Diagnostic::error(
             "too-large",
-            format!("`{}` needs {takes} for {joints} joints; the limit is {most}", self.name),
+            format!("`{}` needs {takes} for {joints} joints, but the limit is {most} operations", self.name),
         )
         .help(format!(
             "raise the limit (`--max-operations {}`), or generate smaller functions (`gelenk generate \

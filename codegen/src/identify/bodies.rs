@@ -33,7 +33,7 @@ impl BodyValues {
     #[must_use]
     pub fn of_link(name: String, link: Option<String>, parameters: &[f64]) -> Self {
         let &[mass, hx, hy, hz, xx, xy, yy, xz, yz, zz] = parameters else {
-            unreachable!("a link has {PER_LINK} parameters");
+            unreachable!("a link has {PER_LINK} inertial parameters");
         };
         let [x, y, z] = [hx, hy, hz].map(|h| if mass == 0.0 { 0.0 } else { h / mass });
         let inertia = [

@@ -83,7 +83,7 @@ pub fn law(found: &Identification, joint: usize) -> String {
 fn summary(found: &Identification) -> Section {
     let mut table = Table::new(
         "joints",
-        "Held-out: each contiguous fold of the data is predicted by the fit to the others. $R^2$ is centred. Samples at \
+        "Held-out: each contiguous fold of the data is predicted by the fit to the other folds. $R^2$ is centred. Samples at \
          which a joint rests are left out: dry friction can have any value up to the static friction. The column 'with \
          rest' includes these samples. Predictions are those of the written description, without offsets of single runs.",
     )

@@ -20,7 +20,7 @@ pub(super) fn parameters(model: &Model) -> Result<Vec<f64>, Diagnostics> {
 pub(super) fn result(function: &Function, inputs: &[&[f64]], free: &[f64]) -> Vec<f64> {
     let results = interpret(&function.program, inputs, free);
     let results = results.unwrap_or_else(|error| {
-        unreachable!("{} was derived from the model whose states it gets: {error}", function.name)
+        unreachable!("{} failed on states of the model from which it was derived: {error}", function.name)
     });
     results.into_iter().next().unwrap_or_default()
 }

@@ -107,7 +107,9 @@ impl InterpretedRobot {
         let functions = derive_in_form(&model, &names, MOST_OPERATIONS, Form::Straight, &names)?;
         let function = |name: &str| {
             let found = functions.iter().find(|function| function.name == name).cloned();
-            found.unwrap_or_else(|| unreachable!("{name} was asked for by name, and no error was returned"))
+            found.unwrap_or_else(|| {
+                unreachable!("{name} was requested, but not derived, although no error was returned")
+            })
         };
         let [regressor, inverse_dynamics, parameters, input_matrix] =
             names.each_ref().map(|name| function(name));

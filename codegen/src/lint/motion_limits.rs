@@ -48,7 +48,7 @@ fn narrow_by_motor(name: &str, speed: &At<f64>, model: &mut Model, report: &mut 
         let message = format!("motor `{name}` has a speed limit, but its ratio is a free parameter");
         report.error(speed.span, "speed-of-free-ratio", message);
         report.help(
-            "the speed limit of a joint follows from a motor's limit only for a known ratio: give \
+            "a motor's speed limit becomes that of a joint only with a known ratio: give \
                      the ratio as a number, or limit the joint's `velocity`",
         );
         return;
@@ -120,35 +120,39 @@ impl Path {
             if !changing.is_empty() {
                 let names: Vec<String> = changing.iter().map(|link| distances.name(*link)).collect();
                 let names = list(names.iter().map(String::as_str));
-                let message = format!("the length of `{name}` changes with several joints: {names}");
+                let message = format!(
+                    "`{name}` has a `stroke` or `speed`, but its length changes with several joints: {names}"
+                );
                 report.error(span, "length-of-several", message).help(HELP_JOINTS);
             }
             return None;
         };
         let joint = distances.name(link);
         if !model.coordinates.contains(&link) {
-            let message =
-                format!("the length of `{name}` changes with joint `{joint}`, whose motion is prescribed");
+            let message = format!(
+                "`{name}` has a `stroke` or `speed`, but its length changes with joint `{joint}`, whose motion is prescribed"
+            );
             report.error(span, "length-of-several", message);
-            report.help("driven joints have no motion limits: remove `stroke` and `speed`");
+            report.help("a prescribed motion cannot be limited: remove `stroke` and `speed`");
             return None;
         }
         if depends_on_parameters(model, between) {
-            let message = format!("the length of `{name}` depends on free parameters");
+            let message =
+                format!("`{name}` has a `stroke` or `speed`, but its length depends on free parameters");
             report.error(span, "length-of-parameters", message);
             report.help(
-                "a stroke limits the joint only for known places of the frames: give the parameters \
-                         as numbers, or limit the joint",
+                "`stroke` and `speed` need known places of the frames: give the parameters as numbers, or \
+                         remove both keys and limit the joint by `position` and `velocity`",
             );
             return None;
         }
         let joint_limits = model.links[link].joint.as_ref().and_then(|joint| joint.limits.position);
         let Some(range) = joint_limits.filter(|range| range.iter().all(|end| end.is_finite())) else {
             let message =
-                format!("the length of `{name}` is limited, but the position of joint `{joint}` is not");
+                format!("`{name}` has a `stroke` or `speed`, but joint `{joint}` has no `position` limits");
             report.error(span, "length-without-range", message);
             report.help(
-                "give the joint `position` limits within which the length is monotonic; they then bound the stroke",
+                "give the joint `position` limits within which the length is monotonic; the stroke then narrows these limits",
             );
             return None;
         };
@@ -156,7 +160,7 @@ impl Path {
     }
 }
 
-const HELP_JOINTS: &str = "`stroke` and `speed` are kept only if a single joint changes the length: limit \
+const HELP_JOINTS: &str = "`stroke` and `speed` need a length that changes with a single joint: remove both, and limit \
                            the joints by `position` and `velocity`";
 
 /// Whether the distance of the frames depends on free parameters.

@@ -123,7 +123,9 @@ fn refuse_free_ratio(name: &str, motor: &DriveDescription, report: &mut Report) 
 }
 
 fn refuse_driven(name: &str, span: Span, report: &mut Report) {
-    let message = format!("motor `{name}` has a torque–speed line, but also turns with a driven joint");
+    let message = format!(
+        "motor `{name}` has a torque–speed line, but also rotates with a joint whose motion is prescribed"
+    );
     report.error(span, "torque-speed-line", message);
     report.help(
         "the torque limit would depend on the prescribed motion, which controller rows do not \

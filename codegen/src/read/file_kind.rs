@@ -34,7 +34,7 @@ const ROOTS: [(&str, &str, &str); 3] = [
 /// Recognizes files that cannot be descriptions. Returns message and help text; `None` for other files.
 pub(super) fn foreign(name: &str, bytes: &[u8]) -> Option<Foreign> {
     let found = |what: &str, help: &'static str| {
-        Some((format!("{name} is {what}; gelenk reads robots in TOML, URDF and MJCF"), help))
+        Some((format!("{name} is {what}, but gelenk reads robots in TOML, URDF and MJCF"), help))
     };
     let beginning = BEGINNINGS.iter().find(|(first, ..)| bytes.starts_with(first));
     if let Some((_, what, help)) = beginning {

@@ -35,7 +35,7 @@ pub(super) fn free(robot: &mut RobotDescription, report: &mut Report) {
         let message = format!("the floating base has no velocity `{}`", velocity.name.value);
         report.error(velocity.name.span, "unknown-joint", message);
         report.help(
-            "the velocities of the base begin with the name of its floating joint; a new joint needs `parent`",
+            "names of the base's velocities begin with the name of its floating joint; a new joint needs `parent`",
         );
     }
 }

@@ -389,7 +389,8 @@ fn read_base(
     }
     chain.files.push(path.clone());
     if chain.files.len() > DEEPEST + 1 {
-        let message = format!("more than {DEEPEST} descriptions extend each other");
+        let message =
+            format!("the chain of `extends` has more than {DEEPEST} descriptions: shorten the chain");
         reader.report.error(file.span, "extends-too-deep", message);
         return None;
     }
@@ -551,7 +552,7 @@ fn add_joint(
         let message = format!("the base description has no joint `{}`", joint.name.value);
         report.error(joint.name.span, "unknown-joint", message);
         let near = nearest(&joint.name.value, known.keys().map(String::as_str));
-        report.help(format!("{}; a new joint needs `parent`", near.unwrap_or_default()));
+        report.help(format!("a new joint needs `parent`; {}", near.unwrap_or_default()));
         return;
     }
     joint.complete();

@@ -79,7 +79,7 @@ pub fn sums(model: &Model, functions: &[Function]) -> Result<Vec<String>, String
     let coordinates = model.coordinates.len();
     if coordinates > MOST_COORDINATES {
         return Err(format!(
-            "closed forms support up to {MOST_COORDINATES} coordinates; this robot has {coordinates}"
+            "closed forms support up to {MOST_COORDINATES} coordinates, but this robot has {coordinates}"
         ));
     }
     let names = model.parameters.iter().map(|parameter| parameter.name.clone());

@@ -409,7 +409,7 @@ fn logs_reduce_to_moments_and_moments_to_a_description() {
         2,
         &["identify", "arm.toml", "--merge", "1.moments", "--output", "x.moments", "--method", "lasso"],
     );
-    assert!(method.contains("--method needs the result"), "{method}");
+    assert!(method.contains("--method needs an identification"), "{method}");
     let other = refused(1, &["identify", "truth.toml", "--merge", "1.moments", "--output", "x.toml"]);
     assert!(other.contains("another description"), "{other}");
     let log = refused(1, &["identify", "arm.toml", "--merge", "1.csv", "--output", "x.toml"]);

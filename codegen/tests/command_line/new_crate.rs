@@ -97,13 +97,13 @@ fn a_new_crate_is_not_made_of_an_mjcf_that_it_cannot_move_or_hold() {
     for (text, message) in [
         (
             still,
-            "has no motor at `shoulder`, `el\"bow`; the program of a new crate needs a motor for at least one joint",
+            "has no motor at `shoulder`, `el\"bow`, but the program of a new project needs a motor for at least one joint",
         ),
         (
             free,
-            "has no motor at `el\"bow`; the program of a new crate needs a motor for each joint of a robot with a floating base",
+            "has no motor at `el\"bow`, but the program of a new project needs a motor for each joint of a robot with a floating base",
         ),
-        (outside, "which cannot have the same relative path in the new crate"),
+        (outside, "which cannot keep its relative path in the new project"),
         (taken, "the MJCF includes build.rs, but a file of the project has the same name"),
     ] {
         fs::write(folder.path().join("robots/arm.xml"), text).unwrap();

@@ -70,7 +70,9 @@ fn joints_that_cannot_be_held_are_refused() {
     );
     let said = arm.refuses(&["arm.toml", "less.csv", "--hold", "hand", "--output", "refused.toml"]);
     assert!(
-        said.contains("--hold `hand`: no joint has such a name. The joints are turn, lift, reach"),
+        said.contains(
+            "--hold `hand`: no joint matches this name or pattern. The joints are turn, lift, reach"
+        ),
         "{said}"
     );
     let said = arm.refuses(&["arm.toml", "full.csv", "--hold", "reach", "--output", "refused.toml"]);

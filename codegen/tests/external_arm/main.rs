@@ -311,10 +311,10 @@ fn terms_are_chosen_by_the_method_that_is_named() {
     let arm = Arm::new();
     arm.record("arm.toml", "log.csv", None);
     let methods = [
-        ("subset", "best subset, "),
-        ("stls", "sequentially thresholded least squares, threshold 0.1"),
-        ("lasso", "LASSO, "),
-        ("all", "least squares on all terms"),
+        ("subset", "the best subset of terms was chosen by "),
+        ("stls", "sequentially thresholded least squares (threshold 0.1, "),
+        ("lasso", "LASSO chose the terms with "),
+        ("all", "least squares fitted all terms"),
     ];
     for (method, words) in methods {
         let found = arm.identify(&["log.csv", "--method", method, "--output", "found.toml"]);
@@ -339,7 +339,7 @@ fn terms_are_chosen_by_the_method_that_is_named() {
     let refused = arm.refuses(&["arm.toml", "log.csv", "--method", "lasso", "--threshold", "0.5"]);
     assert!(refused.contains("only --method stls has a threshold"), "{refused}");
     let refused = arm.refuses(&["arm.toml", "log.csv", "--friction", "stribeck", "--method", "lasso"]);
-    assert!(refused.contains("no terms to choose from"), "{refused}");
+    assert!(refused.contains("no method chooses them"), "{refused}");
 }
 
 /// TVDiff instead of the filter's derivatives alone: the same law within a few percent, and the command says so.

@@ -43,10 +43,10 @@ fn is_progress(line: &str) -> bool {
     const STEPS: [&str; 9] = [
         "reading the logs",
         "smoothing",
-        "choosing the terms",
+        "choosing the friction terms",
         "comparing the logs",
         "The regressor is",
-        "Terms",
+        "Friction terms",
         "Outliers",
         "Intervals are",
         "Other explanations",

@@ -203,7 +203,7 @@ fn what_is_not_done_for_such_robots_is_refused_by_name() {
         (&["--gravity-compensated"], "gravity is not compensated if a joint is floating"),
         (
             &["--plan"],
-            "joint base: no motion is planned if a floating joint is moved by its inputs in 4 of its 6 directions",
+            "joint base: no motion is planned, because the inputs move this floating joint in only 4 of its 6 directions",
         ),
     ];
     for (more, words) in cases {

@@ -139,7 +139,7 @@ fn a_base_that_wrenches_move_in_all_directions_is_planned() {
     let said = plan(&robot(&path), &PlanSettings::default(), &mut |_| ()).unwrap_err().to_string();
     let words = [
         "joint base",
-        "a floating joint is moved by its inputs in 5 of its 6 directions",
+        "the inputs move this floating joint in only 5 of its 6 directions",
         "Record free motions",
         "wrench",
     ];
@@ -155,7 +155,7 @@ fn a_ball_joint_without_drives_is_refused_with_a_remedy() {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{said}");
     let words = [
-        "joint hip: no motion is planned if a spherical joint is moved by its inputs in 0 of its 3 directions",
+        "joint hip: no motion is planned, because the inputs move this spherical joint in only 0 of its 3 directions",
         "type = \"fixed\"",
     ];
     words.iter().for_each(|word| assert!(said.contains(word), "{word}: {said}"));
@@ -167,7 +167,7 @@ fn turns_that_are_none_are_refused() {
     ball(folder.path());
     let cases = [
         (vec!["--turn", "3.2"], "turn = 3.2 is not possible"),
-        (vec!["--start", "hip_rx=2,hip_ry=2,hip_rz=2"], "turn of the start of joint hip = 3.46"),
+        (vec!["--start", "hip_rx=2,hip_ry=2,hip_rz=2"], "rotation of joint hip at the start = 3.46"),
     ];
     for (more, words) in cases {
         let output = gelenk(folder.path(), &[&["--plan", "described.toml"], &more[..]].concat());

@@ -129,7 +129,7 @@ fn a_package_for_ros2_needs_an_effort_at_each_joint() {
     let driven = hinge("<joint name=\"k\" axis=\"1 0 0\"/>", "<motor joint=\"k\"/>");
     for (name, text, message) in [
         ("arm", passive.as_str(), "no motor moves k"),
-        ("arm", free, "its base floats"),
+        ("arm", free, "the robot has a floating base"),
         ("my-arm", driven.as_str(), "is not a valid ROS package name"),
     ] {
         fs::write(folder.path().join("arm.xml"), text).unwrap();

@@ -142,7 +142,7 @@ pub enum AdaptationError {
     /// The saved state was saved with another description, number of joints, period, time constant or delay. The value names
     /// the difference.
     #[error(
-        "the saved state was saved with another {0}: start without this state, or use the same description, period, filter and delay"
+        "the saved state belongs to another {0}: start without this state, or use the same description, period, filter and delay"
     )]
     Origin(&'static str),
     /// A saved number of a joint is not valid. The value is the index of the first number of this joint in the saved state.

@@ -15,7 +15,7 @@ const UNUSABLE: Rule = Rule::error("unusable-input");
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum IdentificationError {
     /// There are no samples.
-    #[error("{what} is empty, so that nothing can be identified")]
+    #[error("{what} is empty, but it needs at least one entry")]
     Empty {
         /// Name of the quantity that has no samples.
         what: String,
@@ -83,7 +83,7 @@ pub enum IdentificationError {
     },
     /// Columns of the library of friction terms are linearly dependent, exactly or nearly.
     #[error(
-        "the terms {} are collinear on these data, because the condition number {} of the scaled library exceeds {limit:e}: \
+        "the terms {} are collinear on these data: the condition number of the scaled terms is {}, above {limit:e}; \
          remove one of these terms, or record a motion that excites the joint more", .terms.join(", "), plain(*.condition, 3)
     )]
     Collinear {

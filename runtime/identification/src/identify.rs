@@ -186,7 +186,7 @@ fn identified(
     let of_logs = beyond.into_iter().chain(faults(&preparation).cloned());
     estimate.findings.splice(0..0, of_logs);
     preparation.refine(&left_of_delays(&estimate));
-    progress("choosing the terms of friction");
+    progress("choosing the friction terms");
     let data = source(&recording);
     let rubs = |joint: &usize| estimate.joints[*joint].moves && !estimate.joints[*joint].exact;
     let motions = repeated_motions(&prepared);
@@ -306,7 +306,7 @@ pub(crate) fn read_and_prepare(
     progress: &mut dyn FnMut(&str),
 ) -> Result<(Recording, Vec<PreparedRun>, PreparationReport)> {
     if settings.estimation.gravity_compensated {
-        let help = "such a robot has no drive that holds its weight; leave --gravity-compensated out";
+        let help = "no drive holds the weight of such a robot, so leave out --gravity-compensated";
         require_no_quaternions(robot, "gravity is not compensated", help)?;
     }
     progress("reading the logs");

@@ -220,7 +220,8 @@ pub struct JointTerm {
 pub(crate) fn require_no_driven(robot: &dyn Robot, what: &str, help: &str) -> Result<()> {
     let names = robot.joint_names().into_iter().zip(robot.unmeasured());
     match names.filter(|(_, unmeasured)| *unmeasured).map(|(name, _)| name).next() {
-        Some(joint) => Err(at_joint(joint).fault(format!("{what} if a joint is driven: {help}"))),
+        Some(joint) => Err(at_joint(joint)
+            .fault(format!("{what} if the motion of a joint is prescribed (`driven`): {help}"))),
         None => Ok(()),
     }
 }

@@ -88,8 +88,11 @@ impl PreparedRun {
     pub(crate) fn check(&self, robot: &dyn Robot, effort: Effort, may_lack: bool) -> Result<()> {
         let name = &self.name;
         if self.effort != effort {
-            let message =
-                format!("its efforts are {:?}, but the efforts of the first run are {effort:?}", self.effort);
+            let message = format!(
+                "its efforts are {}, but those of the first run are {}",
+                self.effort.plural(),
+                effort.plural()
+            );
             return Err(at(name).fault(message));
         }
         let (joints, quaternions) = (robot.joint_names().len(), robot.quaternion_joints().len());

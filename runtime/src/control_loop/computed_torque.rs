@@ -41,7 +41,7 @@ pub enum ComputedTorqueError {
     /// coordinate.
     #[error(
         "the inputs cannot produce an arbitrary force at joint {}: computed torque needs a drive for every \
-         coordinate; use `JointPd`",
+         coordinate. Use `JointPd` instead",
         Named(.name)
     )]
     Underactuated {

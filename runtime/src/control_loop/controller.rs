@@ -72,7 +72,7 @@ pub enum ControllerFault {
     #[error("the measurement is invalid: {0}")]
     Attitude(AttitudeError),
     /// Too many periods passed since the last step, so the controller cannot predict the state.
-    #[error("{periods} periods passed since the last step, which is too many to predict over")]
+    #[error("{periods} periods passed since the last step, too many for a prediction")]
     Stalled {
         /// Number of periods since the last step.
         periods: u32,
@@ -83,8 +83,8 @@ pub enum ControllerFault {
 /// period exceeds 2e7, see [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize).
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
-    "joint {} is too fast to predict over a period of {period} s: its force has a slope of {slope:.3e} N m \
-     s/rad (or N s/m) over its speed, a rate of {rate:.1e} 1/s; use a model with less steep friction",
+    "the motion of joint {} cannot be predicted over a period of {period} s: its force has a slope of {slope:.3e} N m \
+     s/rad (or N s/m) over its speed, a rate of {rate:.1e} 1/s. Use a model with less steep friction",
     Named(.name)
 )]
 pub struct TooFast {

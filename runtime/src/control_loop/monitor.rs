@@ -55,7 +55,7 @@ impl fmt::Display for LimitFault {
         match self {
             Self::Position { name, position, stopping, limits: [low, high], setting, .. } => write!(
                 f,
-                "joint {} at {position:.4} would stop at {stopping:.4}, outside the range {low:.4} to {high:.4} rad (or m) of `{setting}`",
+                "joint {} at {position:.4} can only stop at {stopping:.4}, outside the range {low:.4} to {high:.4} rad (or m) of `{setting}`",
                 Named(name)
             ),
             Self::Speed { name, speed, limit, setting, .. } => write!(
@@ -247,7 +247,7 @@ mod tests {
         assert!(matches!(fault, LimitFault::Position { .. }));
         assert_eq!(
             fault.to_string(),
-            "joint \"upper arm\" at 0.8100 would stop at 1.0100, outside the range -1.0000 to 1.0000 rad (or m) of `position_limits`"
+            "joint \"upper arm\" at 0.8100 can only stop at 1.0100, outside the range -1.0000 to 1.0000 rad (or m) of `position_limits`"
         );
         assert_eq!(at(0.81, -2.0), Ok(()), "it moves away");
         assert!(matches!(at(-0.81, -2.0), Err(LimitFault::Position { .. })));
@@ -295,7 +295,7 @@ mod tests {
         // The braking distance at 1 rad/s with 10 rad/s² is 0.05 rad, and 0.1 rad at the rod.
         assert_eq!(check(0.49, 1.0), Ok(()));
         let fault = check(0.51, 1.0).unwrap_err();
-        let text = "joint rod at -0.9200 would stop at -1.0200, outside the range -1.0000 to 1.5000 rad (or m) of `dependent_joints`";
+        let text = "joint rod at -0.9200 can only stop at -1.0200, outside the range -1.0000 to 1.5000 rad (or m) of `dependent_joints`";
         assert_eq!(fault.to_string(), text);
         assert_eq!(check(0.0, -1.64), Ok(()));
         assert!(matches!(check(0.0, -1.66), Err(LimitFault::Speed { joint: 1, .. })));

@@ -79,10 +79,10 @@ impl RealtimeRequest {
 fn request_scheduling(priority: u8) -> Grant {
     // The crate rejects 99, which the kernel uses for its watchdogs.
     let Ok(value) = ThreadPriorityValue::try_from(priority) else {
-        return Grant::Refused(format!("priority {priority} is not 1 to 98"));
+        return Grant::Refused(format!("the priority is {priority}, but must be 1 to 98"));
     };
     if !(1..=98).contains(&priority) {
-        return Grant::Refused(format!("priority {priority} is not 1 to 98"));
+        return Grant::Refused(format!("the priority is {priority}, but must be 1 to 98"));
     }
     let granted = thread_priority::set_thread_priority_and_policy(
         thread_priority::thread_native_id(),
@@ -147,6 +147,6 @@ mod tests {
     #[test]
     fn a_priority_out_of_range_is_refused() {
         let report = RealtimeRequest { priority: Some(100), lock_memory: false }.apply();
-        assert_eq!(report.scheduling, Grant::Refused("priority 100 is not 1 to 98".into()));
+        assert_eq!(report.scheduling, Grant::Refused("the priority is 100, but must be 1 to 98".into()));
     }
 }

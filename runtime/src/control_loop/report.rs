@@ -224,7 +224,8 @@ impl<const N: usize> fmt::Display for LoopReport<N> {
         writeln!(f, "{}; brakes {}{look}", self.end, self.brakes)?;
         writeln!(
             f,
-            "{} periods: {} controller, {} plan, {} fallback, {} held; {} deadlines missed (at most {} in a row)",
+            "{} periods: inputs from the controller in {}, the plan in {}, the fallback law in {}, unchanged in {}; \
+             {} deadlines missed (at most {} in a row)",
             c.periods, c.controller, c.plan, c.fallback, c.held, c.deadline_misses, c.longest_miss
         )?;
         write!(

@@ -96,7 +96,7 @@ pub enum KinematicsError {
     },
     /// No angle of the fifth joint leads to the orientation. A wrist whose axes are not perpendicular cannot reach
     /// every orientation.
-    #[error("no angle of the fifth joint leads to the orientation")]
+    #[error("no angle of the fifth joint gives the desired orientation")]
     Orientation,
     /// The pose or the given angles are not finite, a given angle exceeds 1e6 rad, or the matrix is not a rotation
     /// matrix. The number is the deviation of the matrix from a rotation matrix.

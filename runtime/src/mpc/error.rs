@@ -120,7 +120,7 @@ pub(super) fn require(
 fn remedy(reason: &LqrError) -> &'static str {
     match reason {
         LqrError::NotStabilizable(_) => {
-            "; if no input reaches a part of the robot, as the momentum of a satellite, set its weights to 0 and terminal_weight \
+            "; if no input reaches a part of the robot, for example the momentum of a satellite, set its weights to 0 and terminal_weight \
              to TerminalWeight::Discounted"
         }
         _ => "",

@@ -16,7 +16,7 @@ const MAX_STEPS: usize = 20_000;
 /// Largest number of steps in one period with all events.
 pub(super) const MAX_PERIOD_STEPS: usize = 100_000;
 const TOO_SMALL: &str =
-    "its steps became too small, because accelerations are not finite or the model is stiff or discontinuous";
+    "the steps became too small, because accelerations are not finite or the model is stiff or discontinuous";
 /// Number of bisections that locate an event. After 60 bisections the time is exact to the last bit.
 const BISECTIONS: usize = 60;
 
@@ -164,7 +164,7 @@ impl<const N: usize, const NY: usize> Integrator<N, NY> {
         self.method.h0 = self.step.min(end - start);
         self.method.init(&equations, start, end, motion).map_err(|_| "the first step length is not valid")?;
         for _ in 0..MAX_STEPS {
-            *budget = budget.checked_sub(1).ok_or("it took more than 100000 steps")?;
+            *budget = budget.checked_sub(1).ok_or("one period needed more than 100000 steps")?;
             let remaining = end - self.method.t();
             if remaining <= negligible {
                 return Ok(Arrival { time: end, motion: *self.method.y(), by_event: false });
@@ -190,7 +190,7 @@ impl<const N: usize, const NY: usize> Integrator<N, NY> {
                 return Ok(self.locate(flow));
             }
         }
-        Err("it took more than 20000 steps")
+        Err("20000 steps were not enough to reach the next event or the end of the period")
     }
 
     /// Locates the event in the last step by bisection on the dense output.

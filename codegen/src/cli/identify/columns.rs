@@ -19,9 +19,7 @@ pub(super) fn print(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     let settings = settings(arguments)?;
     let Some(log) = arguments.logs.first() else {
         return Err(Failure::Usage(
-            "no log is given: name a log whose columns are \
-                                                                             to be printed"
-                .to_owned(),
+            "no log is given: name the log whose columns are to be printed".to_owned(),
         ));
     };
     let guess = guess_columns(log, &robot, &settings.columns)?;

@@ -49,8 +49,8 @@ pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitC
     let of_results = [("--report", arguments.report.is_some()), ("--method", arguments.method.is_some())];
     if let Some((option, _)) = of_results.iter().find(|(_, is_given)| is_moments(&path) && *is_given) {
         return Err(Failure::Usage(format!(
-            "{option} needs the result of an identification: name a description (*.toml) with \
-                                           --output"
+            "{option} needs an identification, but --output *.moments only adds moments: name a description (*.toml) with \
+             --output"
         )));
     }
     let description = Description::of(arguments, &loaded, &robot)?;
@@ -91,7 +91,10 @@ fn samples(moments: &LogMoments) -> u64 {
 fn as_text(moments: &LogMoments, path: &Path) -> String {
     let (logs, samples, shares) = (moments.logs().len(), samples(moments), moments.shares());
     let plural = if logs == 1 { "log" } else { "logs" };
-    format!("wrote {}: {logs} {plural}, {samples} samples in {shares} of 16 shares\n", path.display())
+    format!(
+        "wrote {}: {logs} {plural}, {samples} samples in {shares} of 16 groups for cross-validation\n",
+        path.display()
+    )
 }
 
 fn as_json(moments: &LogMoments, path: &Path) -> Value {

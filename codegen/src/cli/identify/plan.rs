@@ -79,7 +79,7 @@ fn posture(text: &str, names: &[String]) -> Result<Vec<f64>, Failure> {
     match without.as_slice() {
         [] => Ok(positions.into_iter().flatten().collect()),
         missing => Err(fault(format!(
-            "a position for each joint is needed; add the positions of {}",
+            "a position for each joint is needed: add the positions of {}",
             missing.join(", ")
         ))),
     }
@@ -112,7 +112,7 @@ fn require_plan_or_nothing(path: &Path, header: &str) -> Result<(), Failure> {
     match fs::read(path) {
         Ok(found) if !found.is_empty() && !found.starts_with(header.as_bytes()) => {
             let message =
-                "is not a plan for this robot; name another file with --output, or remove this file first";
+                "is not a plan for this robot: name another file with --output, or remove this file first";
             Err(Failure::Problem(format!("{} {message}", path.display())))
         }
         // If the file cannot be read, writing it fails later.

@@ -122,7 +122,7 @@ fn project(arguments: &New, robot: &Robot) -> Result<(Project, Option<String>), 
     }
     let name = name(&arguments.folder)?;
     if arguments.online_friction {
-        robot.require_efforts("a program that learns friction commands")?;
+        robot.require_efforts("the program for --online-friction commands")?;
     }
     Ok((Project::rust(&name, &source, robot, arguments.online_friction), Some(name)))
 }

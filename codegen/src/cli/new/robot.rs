@@ -35,10 +35,10 @@ impl Robot {
     pub(super) fn require_efforts(&self, who: &str) -> Result<(), Failure> {
         let (fault, remedy) = match (self.floats, self.joints.is_empty(), self.passive.first()) {
             (true, ..) => (
-                "its base floats, or it has a spherical joint".to_owned(),
+                "the robot has a floating base or a spherical joint".to_owned(),
                 "use a robot with a fixed base and one coordinate per joint",
             ),
-            (_, true, _) => ("it has no joints".to_owned(), "use a robot with joints"),
+            (_, true, _) => ("the robot has no joints".to_owned(), "use a robot with joints"),
             (.., Some(joint)) => {
                 (format!("no motor moves {}", quoted(joint)), "add a motor, or `--hold` the joint")
             }
@@ -172,9 +172,9 @@ impl Kind {
             match place.and_then(Path::to_str) {
                 Some(place) => Ok((place.to_owned(), bytes.to_vec())),
                 None => Err(Failure::Usage(format!(
-                    "{} includes {}, which cannot have the same relative path in the new crate\n  = help: \
-                     include only files of its own folder, by relative paths, and give none of them the \
-                     name {}",
+                    "{} includes {}, which cannot keep its relative path in the new project\n  = help: \
+                     move included files below the folder of the file that includes them, and name none of \
+                     them {}",
                     path.display(),
                     file.display(),
                     self.file
@@ -198,7 +198,8 @@ fn require_motors(path: &Path, model: &Model, passive: &[String]) -> Result<(), 
         return Ok(());
     }
     Err(Failure::Usage(format!(
-        "{} has no motor at {}; the program of a new crate needs a motor for {}\n  = help: add `<motor joint=\"{}\"/>` to its <actuator>",
+        "{} has no motor at {}, but the program of a new project needs a motor for {}\n  = help: \
+         add `<motor joint=\"{}\"/>` to its <actuator>",
         path.display(),
         passive.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
         if floats { "each joint of a robot with a floating base" } else { "at least one joint" },
@@ -217,7 +218,7 @@ fn require_base(path: &Path, model: &Model) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::Usage(format!(
-        "joint `{}` of {} is {}; the program of a new crate supports a floating base and joints with one \
+        "joint `{}` of {} is {}, but the program of a new project supports only a floating base and joints with one \
          position and one velocity\n  = help: first make it a fixed joint, or call `gelenk generate` and \
          write the program yourself: the example `satellite` of gelenk-runtime moves a robot with a \
          spherical joint",

@@ -106,7 +106,8 @@ impl BaseParameters {
         for one in found {
             for term in &one.terms {
                 let group = leaders.binary_search(&one.leaders[term.group]);
-                let group = group.unwrap_or_else(|_| unreachable!("each leader of one is among all"));
+                let group =
+                    group.unwrap_or_else(|_| unreachable!("each leading parameter is an inertial parameter"));
                 terms.push(Term { group, ..*term });
             }
         }

@@ -16,7 +16,7 @@ pub const QUANTITIES: &[Quantity] = &[Quantity {
     results: &[(
         "f_d",
         &[Dimension::Fixed],
-        "by driven joint, in the order of `DRIVEN_NAMES`; a positive force acts in the positive direction of the joint",
+        "one entry per driven joint, in the order of `DRIVEN_NAMES`; a positive force acts in the positive direction of the joint",
     )],
     notes: &[
         "Includes all forces at the joint except gravity, springs and friction. Forces of inputs are included.",

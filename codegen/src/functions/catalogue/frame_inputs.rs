@@ -44,7 +44,7 @@ pub fn describe_energy(model: &Model, function: &mut Function) {
     if !known.is_empty() {
         "Potential energy of gravity and of forces between frames.".clone_into(&mut function.summary);
         "V = −g · Σ m c + Σ ∫ F(l, l̇ = 0) dl".clone_into(&mut function.equation);
-        "energy [J]; without springs of joints; gravity: 0 if the centre of mass is at the height of the base frame's origin"
+        "energy [J] without springs of joints; the part of gravity is 0 if the centre of mass is at the height of the base frame's origin"
             .clone_into(&mut function.results[0]);
         function.notes.push(format!(
             "Includes the force laws of {} at standstill. The energy of a summand c (l − l₀)ⁿ is 0 at the distance \

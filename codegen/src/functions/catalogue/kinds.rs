@@ -28,7 +28,7 @@ pub static KINDS: [Kind; 11] = [
                  forward_dynamics_with_wrenches forward_dynamics_derivatives_with_wrenches",
                 Missing {
                     why: "",
-                    help: "describe a mass or a rotor that moves with it, or select only functions that do not need the inverse of M",
+                    help: "describe a mass or a rotor for this motion, or select only functions that do not need the inverse of M",
                 },
             ),
             ("acados", MISSING),
@@ -50,7 +50,7 @@ pub static KINDS: [Kind; 11] = [
     Kind {
         robots: "driven joints",
         code: "driven-joint",
-        condition: "joint `{}` is driven",
+        condition: "the motion of joint `{}` is prescribed",
         example: |model| name(model.driven_joints().next()),
         adds: driven::QUANTITIES,
         differences: &[
@@ -80,7 +80,7 @@ pub static KINDS: [Kind; 11] = [
             (
                 "discretize step step_derivatives",
                 Missing {
-                    why: ": its motion is needed throughout the sample time",
+                    why: ": this motion is needed throughout the sample time",
                     help: "`forward_dynamics` and `linearize` take the driven motion at one time; \
                            `DrivenRobot` of gelenk-runtime computes steps from them with a motion over time",
                 },

@@ -33,7 +33,7 @@ pub const QUANTITIES: &[Quantity] = &[
         results: &[(
             "W",
             REGRESSOR,
-            "rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of rotors are last",
+            "one row per coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of rotors are last",
         )],
         notes: &[
             "The inverse dynamics are `W π + τ − springs`, with friction τ and the springs' forces. W does not depend on the \
@@ -50,7 +50,11 @@ pub const QUANTITIES: &[Quantity] = &[
         summary: "Regressor `W_b` of the base parameters: the independent columns of `inertial_regressor`.",
         equation: "W_b(y, ẏ, ÿ) β = W π = M ÿ + k − q_gravity",
         arguments: &[Coordinates, Velocities, Accelerations],
-        results: &[("W_b", REGRESSOR, "rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`")],
+        results: &[(
+            "W_b",
+            REGRESSOR,
+            "one row per coordinate, columns in the order of `BASE_PARAMETER_NAMES`",
+        )],
         notes: &[
             "Dependent columns were found numerically (Gautier 1991). If W_b is stacked over enough exciting states, it has \
              full rank for almost all values of free parameters.",
@@ -84,7 +88,11 @@ const FRICTION_REGRESSOR: Quantity = Quantity {
     summary: "Regressor of the friction parameters.",
     equation: "τ(ẏ) = friction_regressor(ẏ) · friction_parameters",
     arguments: &[Velocities],
-    results: &[("R", REGRESSOR, "rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`")],
+    results: &[(
+        "R",
+        REGRESSOR,
+        "one row per coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`",
+    )],
     notes: &[
         "Nonlinear parameters keep the values of the description: a3 and a5 of the Stribeck law, and slopes of tanh.",
     ],

@@ -255,9 +255,9 @@ impl<'a> Described<'a> {
         let (joints, inputs) = (robot.joint_names().len(), robot.input_names().len());
         let effort = runs.first().map_or(Effort::Joint, |run| run.effort);
         let cases = [
-            ("joints have quaternions", !robot.quaternion_joints().is_empty()),
-            ("joints are driven", robot.unmeasured().contains(&true)),
-            ("inputs act at frames", robot.has_inputs_at_frames()),
+            ("some joints have quaternions", !robot.quaternion_joints().is_empty()),
+            ("the motion of some joints is prescribed (`driven`)", robot.unmeasured().contains(&true)),
+            ("some inputs act at frames", robot.has_inputs_at_frames()),
         ];
         if let Some((reason, _)) = cases.iter().find(|(_, holds)| *holds) {
             return Err(fault(
@@ -271,7 +271,7 @@ impl<'a> Described<'a> {
         }
         if effort == Effort::Current && robot.described_currents().contains(&false) {
             let message = "its efforts are motor currents, but the description has no motor constant: describe it (`drive = \
-                           { input = \"current\" }`)";
+                           { motor_constant = 0.06 }`)";
             return Err(fault("the log", message));
         }
         let mut matrix = [[0.0; MOST]; MOST];
@@ -319,8 +319,8 @@ impl<'a> Described<'a> {
             scales[joint] = Some(magnitudes.scale(joint, friction).ok_or_else(|| {
                 fault(
                     format!("joint {}", self.robot.joint_names()[joint]),
-                    "the size of its friction is unknown, because the description has neither its largest speed nor its \
-                     friction and effort: add the `limits` of the joint",
+                    "the magnitude of its friction is unknown, because the description lacks its speed limit, or both its \
+                     friction and its effort limit: add the `limits` of the joint",
                 )
             })?);
         }

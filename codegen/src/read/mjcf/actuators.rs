@@ -255,7 +255,7 @@ impl<'a> Reader<'_, 'a> {
         if !self.sites.contains(site.text) {
             self.report.error(site.span, "unknown-frame", format!("unknown site `{}`", site.text));
             match self.sites.is_empty() {
-                true => self.report.help("no body has a named site"),
+                true => self.report.help("no body has a named site: add a site with this name"),
                 false => self
                     .report
                     .help(nearest(site.text, self.sites.iter().map(String::as_str)).unwrap_or_default()),

@@ -81,7 +81,9 @@ impl<'a> Reader<'_, 'a> {
         if self.chain.contains(&path) || self.chain.len() > DEEPEST {
             let message =
                 format!("`{}` attaches itself, or is nested deeper than {DEEPEST} models", file.text);
-            self.report.error(file.span, "included-twice", message).help("a model cannot attach itself");
+            self.report
+                .error(file.span, "included-twice", message)
+                .help("remove the <attach> that leads back to this model, or nest fewer models");
             return None;
         }
         match self.meshes.load.text(&path.to_string_lossy()) {

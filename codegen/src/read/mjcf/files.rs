@@ -55,7 +55,9 @@ pub(super) fn gather(model: Text, load: &mut dyn Fetch, report: &mut Report) -> 
             if texts.iter().any(|known| known.path == path) || texts.len() >= MOST_FILES {
                 let message =
                     format!("`{}` is included twice, or nested deeper than {MOST_FILES} files", file.value);
-                report.error(file.span, "included-twice", message).help("MuJoCo includes each file once");
+                report
+                    .error(file.span, "included-twice", message)
+                    .help("remove the repeated <include>: MuJoCo includes each file once");
                 return None;
             }
             match found {

@@ -119,7 +119,8 @@ impl<'a> Reader<'_, 'a> {
         }
         let [mass, density] = ["mass", "density"].map(|key| self.number(self.find(&geom, key), key));
         for given in [&mass, &density].into_iter().flatten().filter(|given| given.value < 0.0) {
-            let message = format!("a geom of body `{}` has the mass or density {}", body.value, given.value);
+            let message =
+                format!("a geom of body `{}` has the negative mass or density {}", body.value, given.value);
             self.report.error(given.span, "mass-not-positive", message);
             self.report.help("mass and density must be finite and at least 0");
         }

@@ -139,7 +139,10 @@ fn read(
     let files = Files::parse(&texts);
     let root = files.root()?;
     if root.tag() != "mujoco" {
-        let message = format!("the root element is `{}`, not `robot` or `mujoco`", root.tag());
+        let message = format!(
+            "the root element is `{}`, but that of a robot is `robot` (URDF) or `mujoco` (MJCF)",
+            root.tag()
+        );
         report.error(root.span(), "not-a-robot", message);
         return None;
     }

@@ -5,7 +5,7 @@ use crate::read::skipped::Remark;
 // Changes of the dynamics in MuJoCo (M, k, q, and the effect of an input) are warnings.
 pub(super) const ACTUATOR: Remark = Remark::warning(
     "actuator-skipped",
-    "actuators were omitted unless they act on a joint, a fixed tendon or a single named site",
+    "actuators that do not act on a joint, a fixed tendon or a single named site were omitted",
 );
 pub(super) const ACTUATOR_RANGE: Remark = Remark::note(
     "actuator-range",
@@ -27,12 +27,12 @@ pub(super) const GRAVITY_COMPENSATION: Remark =
     Remark::warning("gravity-compensation", "gravity compensation (`gravcomp`) was omitted");
 pub(super) const LOOP: Remark = Remark::warning(
     "loop-opened",
-    "the robot moves without equality constraints that close loops (connect, weld and similar); omitted",
+    "equality constraints that close loops (connect, weld and similar) were omitted, so the robot moves without them",
 );
 pub(super) const MEDIUM: Remark = Remark::warning("medium-skipped", "fluid forces were omitted");
 pub(super) const MESH_INERTIA: Remark = Remark::warning(
     "mesh-inertia",
-    "bodies without <inertial> lack the mass of meshes whose mass cannot be computed; omitted",
+    "meshes whose mass cannot be computed were omitted, so bodies without <inertial> lack their mass",
 );
 pub(super) const QUATERNION_FORCE: Remark = Remark::warning(
     "quaternion-joint",

@@ -265,9 +265,9 @@ fn refuse_in_composites(reader: &mut Reader, table: &Table<'_>, composite: Compo
     }
     let help = match composite {
         Composite::Universal => {
-            "the joint turns about the x axis of its frame, then about the y axis; rotate the frame with `origin`"
+            "the joint rotates about the x axis of its frame, then about the y axis: rotate the frame with `origin`"
         }
-        Composite::Quaternion(_) => "the joint turns about every axis; rotate its frame with `origin`",
+        Composite::Quaternion(_) => "the joint rotates about every axis: rotate its frame with `origin`",
         Composite::Cylindrical | Composite::Planar => return,
     };
     if let Some(item) = table.get("axis") {

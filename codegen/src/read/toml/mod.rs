@@ -166,7 +166,7 @@ fn snap_tolerance(reader: &mut Reader, item: Item<'_>) -> Option<f64> {
     }
     let message = format!("`snap_angles` is {}, above the limit of {WIDEST_SNAP} rad", tolerance.value);
     reader.report.error(item.span, "snap-too-wide", message);
-    reader.report.help("1e-4 corrects angles written with at least four digits");
+    reader.report.help("use 1e-4, which corrects angles written with at least four digits");
     None
 }
 
@@ -317,7 +317,7 @@ fn substeps(reader: &mut Reader, item: Item<'_>) -> Option<usize> {
         let message =
             format!("`substeps` must be a whole number from 1 to {MOST_SUBSTEPS}, not {}", number.value);
         reader.report.error(number.span, "bad-count", message);
-        reader.report.help("it is the number of Runge–Kutta steps in one period of `step`");
+        reader.report.help("give the number of Runge–Kutta steps in one period of `step`");
     }
     count
 }

@@ -194,7 +194,8 @@ impl Reader {
         let other = self.fields.get(&field).and_then(|other| self.parameters.get(*other));
         if let Some(other) = other {
             let place = self.report.place(other.span);
-            let message = format!("two parameters are named `{field}`; the other is at {place}");
+            let message =
+                format!("two parameters are named `{field}`: rename this one or the one at {place}");
             self.report.error(name.span, "duplicate-name", message);
             return None;
         }

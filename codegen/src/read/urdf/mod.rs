@@ -55,7 +55,8 @@ pub(super) fn description(
     };
     let robot = document.root_element();
     if robot.tag_name().name() != "robot" {
-        let message = format!("the root element is `{}`, not `robot`", robot.tag_name().name());
+        let message =
+            format!("the root element is `{}`, but that of a URDF is `robot`", robot.tag_name().name());
         report.error(Span::new(source, robot.range()), "not-a-robot", message);
         return None;
     }
@@ -172,7 +173,7 @@ impl Reader<'_> {
             match inertia {
                 None => self.notes.remark(notes::EMPTY_INERTIAL, span, owner),
                 Some(_) => {
-                    let message = format!("link {owner} has an inertia but no <mass>");
+                    let message = format!("link {owner} has an inertia but no <mass>: add its mass");
                     self.report.error(span, "missing-element", message);
                 }
             }

@@ -43,7 +43,7 @@ pub(super) const LIMIT_UNUSABLE: Remark =
     Remark::warning("limit-unusable", "limits that are reversed, equal or negative were ignored");
 pub(super) const PLANAR_LIMITS: Remark = Remark::note(
     "planar-limits",
-    "limits of joints with several degrees of freedom do not name a motion (a TOML file can give limits for each part); ignored at",
+    "limits of joints with several degrees of freedom were ignored, because they do not name a motion (a TOML file can give limits for each part)",
 );
 pub(super) const REDUCTION_IGNORED: Remark = Remark::note(
     "transmission-ignored",

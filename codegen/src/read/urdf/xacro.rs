@@ -45,7 +45,7 @@ pub(super) fn report(node: Node<'_, '_>, span: Span, file: &str, report: &mut Re
         true => format!("<xacro:{}> is a macro", name.trim_start_matches("xacro.")),
         false => format!("<{name}> contains a xacro expression"),
     };
-    report.error(span, "xacro-not-expanded", format!("{message}; the file must be expanded"));
+    report.error(span, "xacro-not-expanded", format!("{message}: expand the file first"));
     let expanded = expanded(file);
     report.help(format!(
         "`xacro {} > {}` expands the file (ROS package xacro, or `pip install xacro`); write arguments of \

@@ -107,7 +107,7 @@ impl Log<'_> {
             });
             known.or_else(|| {
                 let counts =
-                    format!("if the positions are counts, give the size of a count: --columns 'position={}[0.001 {unit}]'", labels.pattern);
+                    format!("if the positions are encoder counts, give the size of one count: --columns 'position={}[0.001 {unit}]'", labels.pattern);
                 Some(counts).filter(|_| times > levels::FAR_AWAY.get())
             })
         })

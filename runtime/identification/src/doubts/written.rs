@@ -54,8 +54,9 @@ pub(crate) fn judge(joint: &mut JointEstimate, law: &mut FrictionResult) {
             plain(joint.held_out_r_squared, 3),
             plain(before, 3)
         );
-        law.findings
-            .push(TOO_FEW_TERMS.found(message).help("allow more terms of the friction law (`--friction`)"));
+        law.findings.push(
+            TOO_FEW_TERMS.found(message).help("allow more terms in the friction law with `--friction`"),
+        );
     }
 }
 

@@ -108,7 +108,7 @@ impl Checked<'_> {
         let (factor, share) = self.explained(joint, &|run, i| self.task.runs[run].accelerations[joint][i])?;
         self.is_suspicious(share).then(|| {
             let message = format!(
-                "its residual follows the acceleration, so the rigid body is wrong: {} times the acceleration explains {:.0} % of the \
+                "its residual follows the acceleration, so the model's inertia is wrong: {} times the acceleration explains {:.0} % of the \
                  residual's variance",
                 plain(factor, 3),
                 100.0 * share

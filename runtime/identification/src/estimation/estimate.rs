@@ -201,13 +201,15 @@ fn pass(
         }
         None => (task, first),
     };
-    progress("Terms, offsets and the weight of the description are chosen by the held-out error.");
+    progress(
+        "Friction terms, offsets and the weight of the description are chosen by the error on held-out data.",
+    );
     let mut outlier = vec![f64::INFINITY; layout.joints];
     let mut times = vec![1.0; layout.joints];
     let mut robust = first.clone();
     for pass in 0..settings.robust_passes {
         let chosen = task.choose(&robust)?;
-        progress(&format!("Outliers lose weight, pass {} of {}.", pass + 1, settings.robust_passes));
+        progress(&format!("Outliers get lower weights, pass {} of {}.", pass + 1, settings.robust_passes));
         let offsets = chosen.offsets();
         let forces = task.forces(&chosen.values, &offsets);
         outlier = robust_deviations(layout, runs, &forces);
@@ -309,7 +311,7 @@ impl Task<'_> {
             return Ok((self, sums));
         }
         progress(
-            "According to the held-out error, the robot compensates only the weight of the described bodies.",
+            "The error on held-out data shows that the robot compensates only the weight of the described bodies.",
         );
         Ok((as_described, other_sums))
     }
@@ -363,7 +365,7 @@ impl Task<'_> {
         let errors = judged.held_out(self.prior)?;
         let held_out = judged.centred_r_squared(&errors.rss);
         let with_rest = self.with_rest(&judged, &errors);
-        progress("Other explanations of the data are tried.");
+        progress("Other explanations of the data are tried, for example wrong signs or units.");
         let doubts = self.doubts((&judged, &errors), &held_out, (&forces, time))?;
         let report = Report {
             fitted: Estimated {

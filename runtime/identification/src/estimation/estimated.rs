@@ -110,8 +110,8 @@ impl Estimated<'_> {
     pub(super) fn offsets_found(&self, measured: Offsets) -> impl Iterator<Item = Finding> {
         let said = match measured {
             Offsets::None => "forces have no offset",
-            Offsets::Common => "each joint's force has one offset",
-            Offsets::ByRun => "each joint's force has an offset in each run",
+            Offsets::Common => "each joint's force has one constant offset for all runs",
+            Offsets::ByRun => "each joint's force has a separate constant offset for each run",
         };
         let exact = "forces at spherical and floating joints come from the inputs alone: no offset and no friction is estimated there";
         let said = [(false, said), (true, exact)];
@@ -181,8 +181,8 @@ impl Estimated<'_> {
         let said: Vec<String> = numbers.iter().map(|number| said(self.delay(*number))).collect();
         (!said.is_empty()).then(|| {
             let message = format!(
-                "the delay of the efforts is estimated with all other parameters, and intervals include its uncertainty: it is {} in \
-                 addition to the delay that was removed before",
+                "the delay of the efforts is estimated together with all other parameters: it is {} in addition to the delay \
+                 that was removed before. The intervals include the uncertainty of this delay",
                 said.join(", ")
             );
             DELAYS.found(message).help("if the delay is known, set it with --delay")
@@ -226,7 +226,7 @@ impl Estimated<'_> {
             let percent = 100.0 * self.fall_by_doubt(*body)?;
             let body = names[body * PER_BODY].trim_start_matches("m_");
             let message = format!(
-                "the description of the body of {body} has a smaller weight than the descriptions of other bodies. The smaller \
+                "the description of body {body} has a smaller weight than the descriptions of other bodies. The smaller \
                  weight lowers the error on held-out data by {} %",
                 plain(percent, 2)
             );

@@ -263,7 +263,7 @@ impl<'a> Equations<'a> {
             what: "the estimate of motor constants".into(),
             iterations: STEPS as usize,
             detail: format!(
-                "the last iteration changed the logarithms of the constants by more than {SETTLED}"
+                "in the last one, ln(constant) still changed by more than {SETTLED}: record a longer motion"
             ),
         })
     }

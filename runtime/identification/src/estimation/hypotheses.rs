@@ -213,8 +213,8 @@ pub(super) fn is_driving(finding: &Finding) -> bool {
 }
 
 fn driving() -> Finding {
-    let message = "its estimated friction drives it. With the other sign of its effort, friction would brake, but the fit would \
-                   not be better";
+    let message = "its estimated friction drives it instead of braking it. With the other sign of its effort, friction would brake, but the \
+                   fit would not be better";
     let remedy = "check the sign, the unit and the assignment of its columns, and whether the robot's controller compensates friction";
     DRIVING.found(message).help(remedy)
 }
@@ -270,7 +270,7 @@ fn other_delay(_: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>
     let Change::Delay(_, seconds) = change else { return Ok(None) };
     let way = if *seconds > 0.0 { "later" } else { "earlier" };
     let message = format!(
-        "relative to its position, its effort comes {:.1} ms {way} than with the stated delay",
+        "its effort is {:.1} ms {way} relative to its position than the stated delay says",
         1e3 * seconds.abs()
     );
     let remedy =

@@ -83,7 +83,7 @@ impl Layout {
         let joints = robot.joint_names().len();
         let first = runs.first().ok_or(IdentificationError::Empty { what: "the list of runs".into() })?;
         for run in runs {
-            require_samples(&format!("samples of {}", run.name), 3, run.times.len())?;
+            require_samples(&format!("the fit to {}", run.name), 3, run.times.len())?;
             run.check(robot, first.effort, true)?;
         }
         require_known_inputs(robot, first.effort)?;
@@ -300,7 +300,7 @@ fn measured(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<bool> {
 fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
     if effort != Effort::Joint && robot.has_inputs_at_frames() {
         return Err(Place::default().fault(
-            "inputs act at frames, so their forces at the joints depend on the positions; convert the efforts to forces at the \
+            "some inputs act at frames, so their forces at the joints depend on the positions: convert the efforts to forces at the \
              joints first, and use --effort joint",
         ));
     }
@@ -331,7 +331,7 @@ fn require_own_inputs(robot: &dyn Robot) -> Result<()> {
         return Ok(());
     }
     Err(Place::default().fault(
-        "motor constants can be estimated only if each joint has one input that drives no other joint; convert the currents to \
+        "motor constants can be estimated only if each joint has one input that drives no other joint: convert the currents to \
          forces of the inputs first",
     ))
 }

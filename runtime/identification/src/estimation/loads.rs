@@ -38,7 +38,7 @@ impl Loads {
         if !joints.contains(&true) {
             return Err(Place::default().fault(
                 "no moving joint has an input that drives only this joint, and the load of a gear is known only at such \
-                 joints: leave load-dependent friction out",
+                 joints: leave out --load-friction",
             ));
         }
         let values = found.parameters.iter().zip(robot.parameters());

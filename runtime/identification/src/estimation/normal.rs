@@ -322,7 +322,7 @@ impl Factor {
         }
         let largest = a.amax();
         if largest < LARGEST_SUM {
-            let reason = "its equations are singular: the log is too short, or the robot moves too little. Record 10 s or more in \
+            let reason = "the equations are singular: the log is too short, or the robot moves too little. Record 10 s or more in \
                           which all joints move";
             return Err(IdentificationError::NoSolution { reason: reason.into() });
         }

@@ -43,9 +43,9 @@ pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Optio
     let Change::Order(order) = change else { return Ok(None) };
     let names = case.robot.joint_names();
     let moved = (0..order.len()).filter(|j| order[*j] != *j);
-    let said: Vec<String> =
-        moved.map(|j| format!("those of {} in the columns of {}", names[j], names[order[j]])).collect();
-    let finding =
-        rule.found(format!("values of joints are in the columns of other joints: {}", said.join(", ")));
+    let said: Vec<String> = moved
+        .map(|j| format!("the values of {} are in the columns of {}", names[j], names[order[j]]))
+        .collect();
+    let finding = rule.found(format!("the columns of some joints seem to be exchanged: {}", said.join(", ")));
     Ok(Some(finding.help("name the columns in the order of the joints, as in --columns 'position=q3|q2|q1'")))
 }

@@ -177,7 +177,7 @@ pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Optio
         vector.iter().map(entry).collect::<Vec<_>>().join(", ")
     });
     let message = format!(
-        "the efforts show a gravity {angle:.1}° off the described one, turned about the axis [{axis}] of the base: the base is \
+        "the efforts show gravity {angle:.1}° off its described direction, rotated about the axis [{axis}] of the base: the base is \
          mounted at an angle, or `gravity` is wrong. Bodies and friction were fitted with the described gravity"
     );
     let remedy = format!("set `gravity = [{found}]`, and identify again");

@@ -84,7 +84,7 @@ pub(super) fn require_posture(robot: &dyn Robot, chart: &Chart, start: &[f64]) -
     for (name, rows) in chart.rotations() {
         let turn = start[rows].iter().map(|x| x * x).sum::<f64>().sqrt();
         let requirement = "the length of its rotation vector must lie below π";
-        require_setting(&format!("turn of the start of joint {name}"), turn, turn < PI, requirement)?;
+        require_setting(&format!("rotation of joint {name} at the start"), turn, turn < PI, requirement)?;
     }
     let own = narrowed_limits(robot).into_iter().zip(names).zip(start);
     let own = own.map(|((limits, name), y)| (name, limits.position, *y));

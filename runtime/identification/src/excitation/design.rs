@@ -168,18 +168,18 @@ impl<'a> Design<'a> {
     /// - `coordinates`: states in the coordinates of the motion ([`Chart`])
     pub(super) fn score(&self, coordinates: &[Instant]) -> f64 {
         if coordinates.iter().any(|instant| self.leaves_limits(instant)) {
-            return self.refusals.refuse("the limits of joints that follow others");
+            return self.refusals.refuse("a joint that follows others exceeds its limits");
         }
         let instants = self.chart.instants(coordinates);
         if self.chart.largest_excess(&instants, self.limits) > 1.0 + ROUNDING {
-            return self.refusals.refuse("the speeds of bodies that turn");
+            return self.refusals.refuse("a rotating body exceeds its speed limit");
         }
         if let Some(name) = self.beyond(&instants).next() {
             return self.refusals.refuse(&name);
         }
         match self.information(&instants).cholesky() {
             Some(factor) => -2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>(),
-            None => self.refusals.refuse("parameters that the motion does not excite"),
+            None => self.refusals.refuse("the motion does not excite all parameters"),
         }
     }
 
@@ -239,7 +239,7 @@ impl<'a> Design<'a> {
         let beyond: Vec<String> = self.beyond(approach).collect();
         (!beyond.is_empty()).then(|| {
             format!(
-                "the path from the start needs more than the share of the effort that the plan may use, at {}: move along the path more \
+                "the path from the start posture needs more effort than the plan may use, at {}: move along the path more \
                  slowly, or start from a nearer posture",
                 beyond.join(", ")
             )

@@ -51,11 +51,11 @@ impl<'a> FrameInputs<'a> {
             let turned = side * now < 0.0;
             side = now;
             if turned {
-                return Some("a dead centre of the inputs at frames".into());
+                return Some("the inputs at frames pass a dead centre".into());
             }
             let ranges = self.torques.ranges(&instant[1]);
             let Some(inputs) = smallest_inputs(self.robot, &matrix, instant, &ranges) else {
-                return Some("forces that the inputs cannot produce".into());
+                return Some("the inputs cannot produce the forces".into());
             };
             let input = first_outside(&inputs, &ranges)?;
             let what = if self.torques.has_line(input) { "motor" } else { "input" };
@@ -124,7 +124,7 @@ pub(super) fn keep_sides(robot: &dyn Robot, chart: &Chart, limits: &mut [Excitat
         if let Some([first, last]) = longest_side(&levers) {
             limit.position = [places[first], places[last]];
             notes.push(format!(
-                "{} has a dead centre within the limits of joint {}, so the joint moves only from {:.2} to {:.2}",
+                "the input {} has a dead centre within the limits of joint {}, so the plan moves this joint only from {:.2} to {:.2}",
                 inputs[input], joints[joint], places[first], places[last]
             ));
         }
@@ -185,7 +185,7 @@ fn require_all_directions(joint: &QuaternionJoint, matrices: &[DMatrix<f64>]) ->
         false => ("spherical", "a joint by `type = \"fixed\"`"),
     };
     Err(at_joint(&joint.name).fault(format!(
-        "no motion is planned if a {kind} joint is moved by its inputs in {moved} of its {} directions: its motion in the \
+        "no motion is planned, because the inputs move this {kind} joint in only {moved} of its {} directions: its motion in the \
          other directions cannot be controlled. Record free motions instead, which `gelenk identify` accepts; or \
          describe the inputs that hold the joint while it moves (`[[inputs]]` with `frame` and `wrench`); or clamp the bodies \
          that it carries, describe the joint as fixed for the plan and its logs ({fixed}), and identify the other parameters from \

@@ -154,10 +154,10 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
 fn smaller(size: f64) -> Option<Finding> {
     (size < 1.0).then(|| {
         let message = format!(
-            "motions of full size need more than the usable share of the efforts: this motion has {:.0} % of the full size",
+            "this motion has only {:.0} % of the size that the limits allow, because larger motions need more effort than the plan may use",
             100.0 * size
         );
-        SMALLER.found(message).help("use a longer period for a larger motion")
+        SMALLER.found(message).help("give a longer period (--seconds) for a larger motion")
     })
 }
 

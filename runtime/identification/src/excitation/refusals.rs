@@ -27,15 +27,15 @@ impl Refusals {
         });
         if !at_rest.is_empty() {
             return format!(
-                "standing still in the middle of the positions already needs more than the share of the efforts that a plan may use, at \
-                 {}: raise the efforts or the share, or narrow the limits to positions that need less effort",
+                "holding the robot still at the middle of its position limits already needs more effort than the plan may use, at \
+                 {}: raise the effort limits or --effort-share, or narrow the position limits to postures that need less effort",
                 at_rest.join(", ")
             );
         }
         format!(
-            "no motion tried, down to a tenth of the size that the limits allow, determines all parameters and keeps the efforts of \
-             joints and inputs and the limits of joints that follow others{most}: raise the efforts, lower the speed, lengthen the \
-             period, or narrow the limits of the joints that are followed"
+            "no motion was found that determines all parameters within the limits of efforts and of joints that follow others, even at \
+             a tenth of the size that the position limits allow{most}: raise the effort limits, lower --speed-share, raise \
+             --seconds, or narrow the limits of the joints that others follow"
         )
     }
 }

@@ -31,7 +31,9 @@ impl LogMoments {
         let fault = |message: String| at(&place).fault(message);
         let size = fs::metadata(path).map_err(|e| fault(e.to_string()))?.len();
         if size > LARGEST {
-            return Err(fault(format!("it has {size} bytes, but a file of moments has at most {LARGEST}")));
+            return Err(fault(format!(
+                "it has {size} bytes, but a file of moments has at most {LARGEST}: name another file"
+            )));
         }
         Self::from_bytes(&fs::read(path).map_err(|e| fault(e.to_string()))?, &place)
     }
@@ -50,7 +52,8 @@ impl LogMoments {
             |message: String| at(path.display().to_string()).fault(format!("cannot be written: {message}"));
         if !may_be_replaced(path, MAGIC).map_err(|e| fault(e.to_string()))? {
             return Err(fault(
-                "it is not a file of moments; name another file, or remove this file first".into(),
+                "the existing file is not a file of moments: name another file, or remove this one first"
+                    .into(),
             ));
         }
         write_whole(path, self.bytes()).map_err(|e| fault(e.to_string()))
@@ -81,7 +84,7 @@ impl LogMoments {
         }
         if !bytes.starts_with(FIRST_LINE) {
             return Err(fault(
-                "its moments have another version than 4, and this gelenk reads only version 4: reduce the logs again \
+                "its format is not version 4, the only one that this gelenk reads: reduce the logs again \
                  with this gelenk",
             ));
         }
@@ -96,7 +99,7 @@ impl LogMoments {
         let mut rest = &content[FIRST_LINE.len()..];
         let found = Self::take(&mut rest).filter(Self::is_consistent);
         let found = found.filter(|_| rest.is_empty());
-        found.ok_or_else(|| fault("its content contradicts itself: reduce its logs again"))
+        found.ok_or_else(|| fault("its content is inconsistent: reduce its logs again"))
     }
 
     fn is_consistent(&self) -> bool {

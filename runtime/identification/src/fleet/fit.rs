@@ -59,7 +59,7 @@ pub fn identify_moments(
     let (joints, robot) = (robot, &rows as &dyn Robot);
     let columns = moments.columns(robot)?;
     let shares = moments.share_sums(&columns)?;
-    progress("Terms and the weight of the description are chosen by the held-out error.");
+    progress("Friction terms and the weight of the description are chosen by the error on held-out data.");
     let data = SharedData {
         robot,
         settings: &settings.estimation,
@@ -69,7 +69,7 @@ pub fn identify_moments(
         correlation_time: moments.logs.iter().map(|log| log.correlation).fold(1.0, f64::max),
     };
     let found = estimate_shares(&data)?;
-    progress("choosing the terms of friction");
+    progress("choosing the friction terms");
     let mut friction = moments.friction(&data, settings, &found);
     let mut estimate = found.estimate;
     for JointFriction { joint, report, .. } in &mut friction {
@@ -125,7 +125,9 @@ impl LogMoments {
         if columns.widths() == self.about.widths {
             return Ok(columns);
         }
-        Err(fault("they were made by another version of gelenk: reduce the logs again with this version"))
+        Err(fault(
+            "these moments were made by another version of gelenk: reduce the logs again with this version",
+        ))
     }
 
     /// Sums of products of the shares that have samples. A share is a group of samples of many logs.
@@ -140,7 +142,7 @@ impl LogMoments {
             return Ok(shares);
         }
         Err(fault(&format!(
-            "their samples are in only {} of 16 shares, but at least {fewest} are needed, so that a part can be held out: add \
+            "the samples are in only {} of 16 groups, but cross-validation needs at least {fewest} groups with samples: add \
              more logs or longer logs",
             shares.len()
         )))
@@ -192,8 +194,8 @@ impl LogMoments {
         let (logs, samples, shares) = (self.logs.len(), self.samples(), self.shares());
         let plural = if logs == 1 { "log" } else { "logs" };
         vec![format!(
-            "moments of {logs} {plural}, {samples} samples, {seconds:.1} s, in {shares} shares; filter of {filters}; R² is computed \
-             with an offset of each run, which the moments do not contain"
+            "moments of {logs} {plural}, {samples} samples, {seconds:.1} s, in {shares} groups for cross-validation; low-pass filter of {filters}. \
+             Each run has an offset, which R² takes into account, but the moments do not contain these offsets"
         )]
     }
 

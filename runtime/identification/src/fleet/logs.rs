@@ -308,12 +308,12 @@ fn require_same(first: &About, other: &About, before: &str, place: &str) -> Resu
     }
     for ((mine, remedy), (theirs, _)) in made_with(first).into_iter().zip(made_with(other)) {
         if mine != theirs {
-            return fault(format!("{theirs}, but for {before}: {mine}. Reduce the logs {remedy}"));
+            return fault(format!("{theirs}, but {before} differs: {mine}. Reduce the logs {remedy}"));
         }
     }
     if first.widths != other.widths {
         return fault(format!(
-            "its joints have other columns than those of {before}: reduce all logs with the same version of gelenk"
+            "its moments have other columns than those of {before}: reduce all logs with the same version of gelenk"
         ));
     }
     Ok(())

@@ -371,10 +371,10 @@ fn what_does_not_belong_together_is_refused_with_what_to_do() {
     let mut few = all[0].clone();
     few.shares.iter_mut().skip(3).for_each(|share| *share = super::logs::Share::default());
     let few = merged(&few, &settings()).unwrap_err().to_string();
-    assert!(few.contains("of 16 shares") && few.contains("add more logs"), "{few}");
+    assert!(few.contains("of 16 groups") && few.contains("add more logs"), "{few}");
     assert_eq!(
         sum(&[]).unwrap_err().to_string(),
-        "the list of moments is empty, so that nothing can be identified"
+        "the list of moments is empty, but it needs at least one entry"
     );
 }
 
@@ -387,9 +387,9 @@ fn files_that_are_something_else_are_refused_and_kept() {
     let bytes = all[0].bytes();
     let mut newer = bytes.clone();
     newer[15] = b'5';
-    assert!(message(&newer).contains("another version than 4"));
+    assert!(message(&newer).contains("not version 4"));
     let refused = all[0].write(DESCRIPTION, &paths[0]).unwrap_err().to_string();
-    assert!(refused.contains("it is not a file of moments; name another file"), "{refused}");
+    assert!(refused.contains("the existing file is not a file of moments: name another file"), "{refused}");
     let path = folder.path().join("one.moments");
     all[1].write(DESCRIPTION, &path).unwrap();
     all[0].write(DESCRIPTION, &path).unwrap();

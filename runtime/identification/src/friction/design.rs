@@ -218,7 +218,7 @@ fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Op
     }
     let out: Vec<&str> = out.iter().map(|i| library.terms()[*i].as_str()).collect();
     let note = format!(
-        "terms left out of the law, because they hardly change within a run: {}. Their contribution is part of the offset, which \
+        "these terms hardly change within a run and are left out of the law: {}. Their contribution is part of the offset, which \
          is not written: record motion in both directions, including slow motion",
         out.join(", ")
     );
@@ -234,7 +234,7 @@ fn without_constants(library: &Library) -> Result<Library> {
     let kept: Vec<usize> = (0..library.len()).filter(varies).collect();
     if kept.is_empty() {
         return Err(IdentificationError::Empty {
-            what: "the library without its constant terms, which are offsets,".into(),
+            what: "the list of friction terms (without constant terms, which are offsets)".into(),
         });
     }
     library.only(&kept)

@@ -52,7 +52,10 @@ impl<'a> Findings<'a> {
     /// Notes the terms from which the law is chosen.
     pub(super) fn note_library(&mut self, terms: &[String], separate: bool, condition: f64) {
         let offsets = if separate { " in addition to the offset of each run" } else { "" };
-        let text = format!("library [{}]{offsets}, condition number {condition:.1}", terms.join(", "));
+        let text = format!(
+            "the law is chosen from the terms [{}]{offsets}; their condition number is {condition:.1}",
+            terms.join(", ")
+        );
         self.notes.push(SETTINGS.found(text).with("condition number", condition, ""));
     }
 
@@ -105,7 +108,7 @@ impl<'a> Findings<'a> {
 
     fn beyond_effort(&self, [speed, torque]: [f64; 2], effort: f64, fastest: f64) -> Finding {
         let message = format!(
-            "the law needs {} {} at {} {}, more than the described effort of {}: the data, with speeds up to {}, do not determine the \
+            "the law gives {} {} at {} {}, more than the described effort limit of {}: the data, with speeds up to {}, do not determine the \
              friction there",
             plain(torque, 3),
             self.unit,
@@ -152,12 +155,12 @@ mod tests {
         assert_eq!(said(24.0, 2.0), none);
         let (warnings, refusals) = said(30.0, 2.0);
         assert!(
-            warnings[0].contains("[law-beyond-effort]: the law needs 120 ") && refusals.is_empty(),
+            warnings[0].contains("[law-beyond-effort]: the law gives 120 ") && refusals.is_empty(),
             "{warnings:?}"
         );
         let (warnings, refusals) = said(300.0, 2.0);
         assert!(
-            warnings.is_empty() && refusals[0].contains("[law-beyond-effort]: the law needs 1200 "),
+            warnings.is_empty() && refusals[0].contains("[law-beyond-effort]: the law gives 1200 "),
             "{refusals:?}"
         );
         // A log with a small part of the speeds does not determine the law at higher speeds.
@@ -167,6 +170,6 @@ mod tests {
                 && warnings[0].contains("reach 0.1 , 2.5 % of the described limit"),
             "{warnings:?}"
         );
-        assert!(refusals[0].contains("more than the described effort of 100"), "{refusals:?}");
+        assert!(refusals[0].contains("more than the described effort limit of 100"), "{refusals:?}");
     }
 }

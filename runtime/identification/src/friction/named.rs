@@ -59,7 +59,7 @@ impl FrictionIdentification {
     /// no terms to choose from. [`IdentificationError::Setting`] if a threshold is given for another method than `stls`.
     pub fn by_method(&self, word: &str, threshold: Option<f64>) -> Result<Self> {
         if matches!(self.method, FrictionMethod::Stribeck(_)) {
-            let message = "the law of Stribeck has no terms to choose from: leave --method out";
+            let message = "the Stribeck law has fixed terms, so no method chooses them: leave --method out";
             return Err(fault(STRIBECK, message));
         }
         let Some((.., make)) = METHODS.iter().find(|(known, ..)| *known == word) else {
@@ -175,7 +175,7 @@ mod tests {
     fn what_names_no_terms_is_refused() {
         let fault = |terms: &str| of(terms).unwrap_err().to_string();
         assert!(fault("stribeck,viscous").contains("is not combined"), "{}", fault("stribeck,viscous"));
-        assert!(fault("").contains("the library of terms"), "{}", fault(""));
+        assert!(fault("").contains("the list of friction terms"), "{}", fault(""));
         assert!(fault("viscous,v").contains("twice"), "{}", fault("viscous,v"));
         assert!(fault("viscos").contains("viscos"), "{}", fault("viscos"));
         assert!(fault("viscos").contains("did you mean `viscous`?"), "{}", fault("viscos"));

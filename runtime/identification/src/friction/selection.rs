@@ -115,8 +115,9 @@ pub(super) fn choose(
     match method {
         FrictionMethod::Thresholding(settings) => {
             let Thresholding { threshold, ridge, .. } = settings;
-            let note =
-                format!("sequentially thresholded least squares, threshold {threshold}, ridge {ridge}");
+            let note = format!(
+                "sequentially thresholded least squares (threshold {threshold}, ridge {ridge}) chose the terms"
+            );
             let chosen = Chosen::directly(Selection::Thresholding(*settings), reduced, note)?;
             let sets = by_threshold(settings, reduced);
             let subsets = folds().ok().and_then(|folds| along(sets, &folds, &conditions, &chosen.solution));
@@ -125,7 +126,7 @@ pub(super) fn choose(
         FrictionMethod::Lasso(lasso, choice) => by_lasso(reduced, lasso, *choice, &folds()?, &conditions),
         FrictionMethod::BestSubset | FrictionMethod::Ladder(_) => by_subsets(reduced, &folds()?, conditions),
         FrictionMethod::LeastSquares | FrictionMethod::Stribeck(_) => {
-            Chosen::directly(Selection::All, reduced, "least squares on all terms".into())
+            Chosen::directly(Selection::All, reduced, "least squares fitted all terms".into())
         }
     }
 }
@@ -137,7 +138,10 @@ fn by_subsets(reduced: &Reduced, folds: &[Moments], conditions: Conditions) -> R
         selection: Selection::BestOfSize(best.active.len(), conditions),
         solution: reduced.fit(0, &best.active)?,
         validation: None,
-        note: format!("best subset, {} folds, choice by one standard error", folds.len()),
+        note: format!(
+            "the best subset of terms was chosen by {}-fold cross-validation and the one-standard-error rule",
+            folds.len()
+        ),
         subsets: Some(subsets),
     })
 }
@@ -183,7 +187,7 @@ fn by_lasso(
     };
     let lambda = grid[index];
     let note = format!(
-        "LASSO, {} contiguous folds, choice by {name}: λ = {} in 1/(2N)‖·‖² + λ‖·‖₁{}, {} in \
+        "LASSO chose the terms with {} contiguous folds, λ by {name}: λ = {} in 1/(2N)‖·‖² + λ‖·‖₁{}, {} in \
          ‖·‖² + λ‖·‖₁; values and errors are those of least squares on the chosen terms",
         folds.len(),
         plain(lambda, 5),

@@ -100,7 +100,7 @@ impl<'a> Attempt<'a> {
         let fit = regression.fit_runs(&samples)?.with_correlated_errors(&samples);
         let mut findings = Findings::new(data);
         findings.note(format!(
-            "Stribeck law{} by nonlinear least squares with equal weights of all samples, {} starts, {} passes",
+            "the Stribeck law{} was fitted by nonlinear least squares with equal weights of all samples ({} starts, {} passes)",
             if separate { " in addition to the offset of each run" } else { "" },
             regression.starts,
             fit.iterations
@@ -237,7 +237,7 @@ fn other_law(fit: &StribeckFit, data: &FrictionData) -> Option<Finding> {
             format!("only {slow} samples are slower than the Stribeck speed v_s = {said_speed} {velocity}")
         }),
         (highest > coulomb && !stands_out(fit)).then(|| {
-            format!("the law exceeds Coulomb friction noticeably at no speed: with v_s = {said_speed} {velocity}, static friction \
+            format!("at no speed does the law exceed Coulomb friction noticeably: with v_s = {said_speed} {velocity}, static friction \
                      falls to Coulomb friction within the smoothed step at zero velocity")
         }),
     ];

@@ -54,7 +54,7 @@ impl Format {
     }
 }
 
-const CUT: &str = "the file ends within a frame";
+const CUT: &str = "the file ends within compressed data";
 
 /// Returns the content of compressed bytes. Other bytes are returned unchanged.
 ///

@@ -26,7 +26,7 @@ impl Library {
         let terms: Vec<String> = terms.iter().map(|t| t.as_ref().to_string()).collect();
         let channels: Vec<String> = channels.iter().map(|t| t.as_ref().to_string()).collect();
         if terms.is_empty() {
-            return Err(IdentificationError::Empty { what: "the library of terms".into() });
+            return Err(IdentificationError::Empty { what: "the list of friction terms".into() });
         }
         let program = Program::new(&terms, &channels)?;
         for (i, term) in terms.iter().enumerate() {
@@ -34,7 +34,7 @@ impl Library {
                 return Err(fault(term, "a library term must be a number, not a truth value"));
             }
             if terms[..i].contains(term) {
-                return Err(fault(term, "this term is twice in the library"));
+                return Err(fault(term, "this term occurs twice: remove one of the two"));
             }
         }
         Ok(Self { terms, channels, program })

@@ -123,7 +123,10 @@ pub(crate) fn seen_both_ways(
     let out: Vec<usize> = requirements(terms).iter().filter(|r| unseen(r)).map(|r| r.term).collect();
     let texts: Vec<&str> = out.iter().map(|&i| terms[i].as_str()).collect();
     let note = (!out.is_empty()).then(|| {
-        format!("{} left out, because nine tenths of the motion are in one direction", texts.join(", "))
+        format!(
+            "these terms are left out, because nine tenths of the motion are in one direction: {}",
+            texts.join(", ")
+        )
     });
     ((0..terms.len()).filter(|i| !out.contains(i)).collect(), note)
 }

@@ -71,13 +71,19 @@ impl Equations {
         body: usize,
         settings: &PayloadSettings,
     ) -> Result<Self> {
-        for (what, runs) in [("runs without the load", without), ("runs with the load", with)] {
+        for (what, runs) in
+            [("the list of runs without the load", without), ("the list of runs with the load", with)]
+        {
             require_samples(what, 1, runs.len())?;
         }
         let columns = Columns::new(robot, without.iter().chain(with), body)?;
         let count = |runs: &[PreparedRun]| runs.iter().map(|run| run.times.len()).sum::<usize>();
         let samples = count(without) + count(with);
-        require_samples("a payload, samples of both logs", levels::BLOCKS.get() * PER_BODY, samples)?;
+        require_samples(
+            "the estimate of a payload from both logs",
+            levels::BLOCKS.get() * PER_BODY,
+            samples,
+        )?;
         let length = samples.div_ceil(levels::BLOCKS.get());
         let mut blocks = Vec::new();
         columns.add_blocks(without, false, length, &mut blocks);
@@ -112,7 +118,7 @@ impl Equations {
     /// which is found by iteration.
     pub(super) fn weights(&self) -> Result<Vec<f64>> {
         let all: Vec<Sums> = (0..self.joints).map(|j| self.joint(j)).collect();
-        require_samples("a payload, samples of moving joints", 1, all.iter().map(|s| s.rows).sum())?;
+        require_samples("the estimate of a payload from moving joints", 1, all.iter().map(|s| s.rows).sum())?;
         let last = self.nuisance + PER_BODY;
         let weight = |square: f64, sums: &Sums| {
             let floor = QUIETEST * QUIETEST * sums.gram[(last, last)];
@@ -397,7 +403,7 @@ fn to_joints(robot: &dyn Robot, effort: Effort) -> Result<DMatrix<f64>> {
 fn singular(what: &str) -> IdentificationError {
     IdentificationError::NoSolution {
         reason: format!(
-            "the equations of {what} are singular up to rounding; record a longer motion in which more joints move"
+            "the equations of {what} are singular up to rounding: record a longer motion in which more joints move"
         ),
     }
 }

@@ -89,7 +89,7 @@ fn check(robot: &dyn Robot, settings: &PayloadSettings) -> Result<usize> {
         "body of the load",
         body as f64,
         body < bodies,
-        "it must be one of the robot's bodies, from 0",
+        "it must be the index of the body that carries the load, counted from 0",
     )?;
     let positive = "it must be positive";
     require_setting("weight of the description", settings.weight, settings.weight > 0.0, positive)?;

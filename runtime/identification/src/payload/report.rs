@@ -124,7 +124,11 @@ fn findings(payload: &Payload, load: &ConsistentSolution, names: &[String]) -> V
     let hidden: Vec<&str> =
         NAMES.iter().zip(payload.shown).filter(|(_, shown)| !shown).map(|(name, _)| *name).collect();
     let hidden = (!hidden.is_empty()).then(|| {
-        let instead = if low > 0.0 { ": the values are those of a ball of 1500 kg/m³" } else { "" };
+        let instead = if low > 0.0 {
+            ": the values are those of a solid ball of the same mass and of 1500 kg/m³"
+        } else {
+            ""
+        };
         HIDDEN.found(format!("the motion does not excite {} of the load{instead}", hidden.join(", ")))
     });
     let bound = (!load.on_boundary.is_empty()).then(|| {

@@ -192,7 +192,10 @@ fn a_load_is_found_whatever_the_efforts_are() {
     );
     let other =
         estimate(&described, slice::from_ref(without()), &runs[1..], &settings).unwrap_err().to_string();
-    assert!(other.contains("its efforts are Current, but the efforts of the first run are Joint"), "{other}");
+    assert!(
+        other.contains("its efforts are currents, but those of the first run are forces at the joints"),
+        "{other}"
+    );
 }
 
 #[test]
@@ -234,7 +237,7 @@ fn bad_logs_have_messages() {
         estimate(&UR5, without, with, &settings).unwrap_err().to_string()
     };
     let default = PayloadSettings::default;
-    assert!(message(&[], good, default()).starts_with("runs without the load is empty"));
+    assert!(message(&[], good, default()).starts_with("the list of runs without the load is empty"));
     assert!(
         message(good, &[run], default()).starts_with("samples of positions of simulated: 1 are expected")
     );

@@ -72,9 +72,9 @@ fn check_run(run: &Run, joints: usize, efforts: usize) -> Result<()> {
     require_finite(&format!("the time of run {}", run.name), &run.times)?;
     if let Some(i) = run.times.windows(2).position(|t| t[1] <= t[0]) {
         let (before, after) = (run.times[i], run.times[i + 1]);
-        return Err(at(&run.name)
-            .row(run.rows[i + 1])
-            .fault(format!("the time does not increase: {before} s is followed by {after} s")));
+        return Err(at(&run.name).row(run.rows[i + 1]).fault(format!(
+            "the time does not increase: {before} s is followed by {after} s; sort the rows"
+        )));
     }
     for (j, column) in run.positions.iter().enumerate() {
         require_length(&format!("positions of joint {} in run {}", j + 1, run.name), m, column.len())?;

@@ -62,10 +62,10 @@ pub fn write_identified(path: &Path, identified: &Identified<'_>) -> Result<()> 
     let fault =
         |message: String| at(path.display().to_string()).fault(format!("cannot be written: {message}"));
     if is_same_file(path, &path.with_file_name(identified.extends)) {
-        return Err(fault("it is the description that is extended; name another file".into()));
+        return Err(fault("it is the description that the result extends: name another file".into()));
     }
     if !may_be_replaced(path, FIRST_LINE.as_bytes()).map_err(|e| fault(e.to_string()))? {
-        let message = "the existing file was not written by an identification; name another file, or remove this one first";
+        let message = "the existing file was not written by an identification: name another file, or remove this one first";
         return Err(fault(message.into()));
     }
     write_whole(path, text).map_err(|e| fault(e.to_string()))
@@ -104,7 +104,7 @@ pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
     });
     for (i, result) in friction.iter().enumerate() {
         if friction[..i].iter().any(|r| r.joint == result.joint) {
-            return Err(fault(&result.joint, "this joint is twice among the results"));
+            return Err(fault(&result.joint, "this joint has two results: give only one result per joint"));
         }
         let value = friction_value(result)?;
         text.push_str("\n[[joints]]\n");
@@ -319,7 +319,7 @@ mod tests {
             assert!(toml::from_str::<toml::Table>(&text).is_ok());
         }
         let message = |name: &str| write(name).unwrap_err().to_string();
-        assert!(message("arm.toml").contains("the description that is extended"));
+        assert!(message("arm.toml").contains("the description that the result extends"));
         assert!(message("other.toml").contains("was not written by an identification"));
         assert_eq!(fs::read_to_string(at("arm.toml")).unwrap(), "name = \"arm\"\n");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4);
@@ -364,6 +364,6 @@ mod tests {
             |results: &[FrictionResult]| description_toml("a", "b.toml", results).unwrap_err().to_string();
         assert!(text(&[empty]).starts_with("the friction law of beta is empty"));
         assert!(text(&[]).starts_with("the list of identified joints of a is empty"));
-        assert!(text(&[example(), example()]).contains("is twice"));
+        assert!(text(&[example(), example()]).contains("has two results"));
     }
 }

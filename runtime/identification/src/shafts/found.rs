@@ -35,8 +35,8 @@ impl ShaftRows {
             let [low, high] = factor.interval;
             let error = Some(0.5 * (high - low));
             let message = format!(
-                "its friction {} is estimated together with the friction of the shafts, near its description if the data do not determine \
-                 it: the factor {} becomes {} (interval {} to {})",
+                "its friction term {} is estimated together with the friction of the shafts: the factor {} becomes {} (interval {} to {}). If \
+                 the data do not determine this factor, it stays near its described value",
                 term.basis,
                 plain(term.coefficient, 4),
                 rounded(factor.value, error),

@@ -71,7 +71,7 @@ fn missing(home: &Positions) -> Option<String> {
     let missed = hold.residual;
     if length(&missed) > 1e-6 {
         return Some(format!(
-            "At rest the inputs lack a force of {:.4?} N and a moment of {:.4?} N m, in the axes of the base.",
+            "To hold the robot at rest, the inputs lack a force of {:.4?} N and a moment of {:.4?} N m in the axes of the base.",
             &missed[..3],
             &missed[3..6]
         ));
@@ -80,7 +80,7 @@ fn missing(home: &Positions) -> Option<String> {
     let all = robot::INPUT_NAMES.iter().zip(&hold.inputs).zip(&limits);
     let mut beyond = all.filter(|((_, input), [low, high])| *input < low || *input > high);
     beyond.next().map(|((name, input), [low, high])| {
-        format!("At rest the input {name} is {input:.4}, and its limits are {low} and {high}.")
+        format!("To hold the robot at rest, the input {name} must be {input:.4}, but its limits are {low} and {high}.")
     })
 }
 

@@ -59,8 +59,8 @@ static intptr_t gelenk_offset(const gelenk_operand *operand, const intptr_t *ste
     return offset;
 }
 
-// NumPy would make warnings of the processor's flags. Results tell by themselves that they are not finite, and a branch
-// that was computed for nothing raises flags too.
+// NumPy would turn the processor's floating-point flags into warnings. The flags are cleared, because results show
+// that they are not finite, and because branches whose result is not used raise flags, too.
 static void gelenk_clear_flags(void)
 {
     if (fetestexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW | FE_UNDERFLOW))

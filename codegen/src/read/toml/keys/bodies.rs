@@ -13,7 +13,7 @@ pub(super) static BODY: Keys = Keys {
         key("mass", Value::Formula, "2.5", "mass, at least 0; required for a new body; an inertia without mass gives a warning").unit("kg"),
         key("center_of_mass", VECTOR, "[0, 0, 0.1]", "centre of mass in the frame of the link").unit("m").default("[0, 0, 0]").also(&["com", "cog", "center_of_gravity"]),
         key("inertia", Value::Either(&[Value::Formula, VECTOR, Value::Table(&INERTIA)]), "[0.1, 0.1, 0.02]", "inertia about the centre of mass: one moment for all axes, three principal moments, or the matrix as a table").unit("kg m²").default("0"),
-        key("origin", POSE, "{ xyz = [0.2, 0, 0.05] }", "frame of the body in the link's frame; centre and inertia are given in this frame").default("identity"),
+        key("origin", POSE, "{ xyz = [0.2, 0, 0.05] }", "pose of the body's frame in the link's frame; centre of mass and inertia are given in the body's frame").default("identity"),
         key("accept_unphysical", Value::Flag, "true", "accepts a published inertia that no real body has").default("false"),
     ]],
 };
@@ -24,10 +24,10 @@ static INERTIA: Keys = Keys {
     what: "an inertia",
     groups: &[&[
         key("xx", Value::Formula, "0.1", "moment about x").unit("kg m²").default("0"),
-        key("xy", Value::Formula, "0", "entry of the matrix, −∫ x y dm as in URDF").unit("kg m²").default("0"),
-        key("xz", Value::Formula, "0", "entry of the matrix, −∫ x z dm").unit("kg m²").default("0"),
+        key("xy", Value::Formula, "0", "matrix entry −∫ x y dm, with the sign of URDF").unit("kg m²").default("0"),
+        key("xz", Value::Formula, "0", "matrix entry −∫ x z dm").unit("kg m²").default("0"),
         key("yy", Value::Formula, "0.1", "moment about y").unit("kg m²").default("0"),
-        key("yz", Value::Formula, "0", "entry of the matrix, −∫ y z dm").unit("kg m²").default("0"),
+        key("yz", Value::Formula, "0", "matrix entry −∫ y z dm").unit("kg m²").default("0"),
         key("zz", Value::Formula, "0.02", "moment about z").unit("kg m²").default("0"),
     ]],
 };

@@ -10,11 +10,11 @@ pub(super) static FORCE: Keys = Keys {
     groups: &[&[
         key("name", Value::Name, r#""ram""#, "name for messages and generated code").default("the input's name, or the frames' names"),
         key("between", Value::List(&Value::Name, Some(2)), r#"["anchor", "hook"]"#, "two frames or links, on bodies that move relative to each other").needed(),
-        key("law", Value::Number, r#""1200*(l - 0.3) + 40*dl""#, "force over the distance l and its rate dl, positive if it pulls: a spring, a gas spring, a damper").unit("N").also(&["type", "stiffness", "rest", "damping"]),
-        key("input", Value::Name, r#""cylinder""#, "name of an input, a force that pulls together; may be combined with `law`").unit("N"),
+        key("law", Value::Number, r#""1200*(l - 0.3) + 40*dl""#, "force as a formula in the distance l and its rate dl, positive if it pulls, for example a spring or a damper").unit("N").also(&["type", "stiffness", "rest", "damping"]),
+        key("input", Value::Name, r#""cylinder""#, "name of an input force, positive if it pulls; may be combined with `law`").unit("N"),
         key("limits", RANGE, "[-60e3, 35e3]", "lowest and highest value of the input; must include 0").unit("N"),
         key("stroke", RANGE, "[0.8, 1.3]", "shortest and longest distance of the two frames").unit("m"),
-        key("speed", Value::Positive, "0.4", "highest rate of the distance").unit("m/s"),
+        key("speed", Value::Positive, "0.4", "largest rate of change of the distance").unit("m/s"),
     ]],
 };
 

@@ -20,10 +20,10 @@ pub(crate) static ROBOT: Keys = Keys {
         key("extends", Value::Name, r#""arm.toml""#, "the TOML, URDF or MJCF that this file extends, a path relative to this file"),
         key("gravity", VECTOR, "[0, 0, -9.81]", "gravitational acceleration in the base frame").unit("m/s²").default("[0, 0, -9.81]"),
         key("coordinates", NAMES, r#"["shoulder", "elbow"]"#, "names of all moving joints that follow no other joint, in the desired order").default("order of the description"),
-        key("base", Value::Either(&[Value::Name, Value::Table(&BASE)]), r#"{ link = "trunk", type = "floating" }"#, "name of the base link, or a table that lets the base move freely").default(r#"`"base"`, or the one link without a joint; fixed"#),
-        key("held", Value::Names(&Value::Number), r#"{ "finger_*" = 0, gripper = 0.02 }"#, "joints that are held, by names or patterns with `*`; replaces `held` of a joint").unit("rad or m"),
+        key("base", Value::Either(&[Value::Name, Value::Table(&BASE)]), r#"{ link = "trunk", type = "floating" }"#, "name of the base link, or a table that lets the base move freely").default(r#"`"base"`, or the only link without a joint; fixed"#),
+        key("held", Value::Names(&Value::Number), r#"{ "finger_*" = 0, gripper = 0.02 }"#, "joints that are held at a position, by names or patterns with `*`; replaces `held` of a joint").unit("rad or m"),
         key("body", Value::Name, r#""link0""#, "a body in the scene of an extended MJCF; the kinematic tree with this body is the robot").default("all bodies"),
-        key("snap_angles", Value::Positive, "1e-4", "angles within this distance of a multiple of 90° are rounded to it").unit("rad").default("off"),
+        key("snap_angles", Value::Positive, "1e-4", "angles within this distance of a multiple of 90° are rounded to this multiple").unit("rad").default("off"),
         key("ignore_mimic", Value::Flag, "true", "makes mimic joints of the URDF or MJCF independent coordinates").default("false"),
         key("no_friction", Value::Flag, "true", "ignores damping and friction of the URDF or MJCF").default("false"),
         key("accept_unphysical", Value::Flag, "true", "accepts a robot whose mass matrix is not positive definite").default("false"),
@@ -32,9 +32,9 @@ pub(crate) static ROBOT: Keys = Keys {
         key("bodies", Value::List(&Value::Table(&BODY), None), r#"[{ link = "forearm", mass = 2.5 }]"#, "rigid bodies, fixed to links").also(&["links", "link", "masses"]),
         key("joints", Value::List(&Value::Table(&JOINT), None), r#"[{ name = "elbow", axis = [0, 1, 0] }]"#, "joints"),
         key("drives", Value::List(&Value::Table(&SHARED_DRIVE), None), r#"[{ name = "left", on = { pitch = 1, roll = 1 } }]"#, "drives that act on several joints").also(&["motors", "actuators"]),
-        key("forces", Value::List(&Value::Table(&FORCE), None), r#"[{ between = ["foot", "rod"], input = "cylinder" }]"#, "forces between two frames: springs, cylinders"),
-        key("inputs", Value::List(&Value::Table(&INPUT), None), r#"[{ name = "fan", frame = "tip", wrench = [0, 1, 0, 0, 0, 0] }]"#, "inputs that are wrenches at a frame: propellers"),
-        key("wrenches", Value::List(&Value::Table(&WRENCH), None), r#"[{ name = "contact", frame = "tip" }]"#, "wrenches that are arguments of functions: contacts"),
+        key("forces", Value::List(&Value::Table(&FORCE), None), r#"[{ between = ["foot", "rod"], input = "cylinder" }]"#, "forces between two frames, for example springs and cylinders"),
+        key("inputs", Value::List(&Value::Table(&INPUT), None), r#"[{ name = "fan", frame = "tip", wrench = [0, 1, 0, 0, 0, 0] }]"#, "inputs that are wrenches at a frame, for example propellers"),
+        key("wrenches", Value::List(&Value::Table(&WRENCH), None), r#"[{ name = "contact", frame = "tip" }]"#, "wrenches that are arguments of functions, for example contact forces"),
         key("frames", Value::List(&Value::Table(&FRAME), None), r#"[{ name = "tool", link = "forearm" }]"#, "named frames, whose poses and Jacobians are generated"),
     ]],
 };
@@ -44,7 +44,7 @@ static BASE: Keys = Keys {
     name: "base",
     what: "the base",
     groups: &[&[
-        key("link", Value::Name, r#""trunk""#, "name of the base link").default(r#"`"base"`, or the one link without a joint"#),
+        key("link", Value::Name, r#""trunk""#, "name of the base link").default(r#"`"base"`, or the only link without a joint"#),
         key("type", Value::Words(&["fixed", "floating"]), r#""floating""#, "fixed base or floating base").default(r#"`"fixed"`"#),
     ]],
 };
@@ -54,7 +54,7 @@ static GENERATE: Keys = Keys {
     name: "generate",
     what: "the choice of functions",
     groups: &[&[
-        key("functions", NAMES, r#"["inverse_dynamics", "linearize"]"#, "functions to generate; `frames`: those of all named frames; `all`: all except those on request").default("all except those on request"),
+        key("functions", NAMES, r#"["inverse_dynamics", "linearize"]"#, "functions to generate; `frames` selects the functions of all named frames, and `all` selects all except those on request").default("all except those on request"),
         key("lanes", NAMES, r#"["inverse_dynamics"]"#, "functions that are also generated for eight states at once").default("none"),
         key("smooth_sign", Value::Positive, "50", "slope s: `sign(v)` becomes `tanh(s v)` in friction, springs and forces between frames, and `abs(sign(v))` becomes its square").default("the exact sign"),
         key("substeps", Value::Positive, "2", "Runge–Kutta steps within one period of `step`, from 1 to 1000").default("1"),
@@ -66,7 +66,7 @@ static PARAMETER: Keys = Keys {
     name: "parameter",
     what: "a parameter",
     groups: &[&[
-        key("value", Value::Number, "2.5", "described value of the parameter").needed(),
+        key("value", Value::Number, "2.5", "default value of the parameter").needed(),
         UNIT,
         DESCRIPTION,
     ]],

@@ -19,7 +19,7 @@ pub(crate) static FREE: Keys = Keys {
     name: "free",
     what: "a free value",
     groups: &[&[
-        key("free", Value::Number, "2.5", "described value of the parameter").needed(),
+        key("free", Value::Number, "2.5", "default value of the parameter").needed(),
         key("name", Value::Name, r#""payload""#, "name of the parameter").default("owner and key, for example `arm_mass`"),
         UNIT,
         DESCRIPTION,

@@ -78,7 +78,7 @@ fn a_base_that_is_mounted_at_an_angle_is_told_with_its_gravity() {
             .unwrap_or_else(|| panic!("{turn}: {:?}", texts(&found.findings, Severity::Warning)));
         println!("{said}");
         let number = |word: &str| said.split(word).nth(1).unwrap().split('°').next().unwrap().parse::<f64>();
-        assert!((number("show a gravity ").unwrap() / turn.norm() - 1.0).abs() < 0.1, "{said}");
+        assert!((number("show gravity ").unwrap() / turn.norm() - 1.0).abs() < 0.1, "{said}");
         let gravity = said.split("gravity = [").nth(1).unwrap().split(']').next().unwrap();
         let gravity = Vector3::from_iterator(gravity.split(", ").map(|x| x.parse::<f64>().unwrap()));
         let truth = Rotation3::new(turn * std::f64::consts::PI / 180.0) * arm().gravity;
@@ -101,7 +101,7 @@ fn a_level_base_and_a_small_angle_are_no_doubt() {
 fn a_robot_that_hangs_from_the_ceiling_is_not_told_of_a_small_angle() {
     let found = estimated(Vector3::new(177.0, 0.0, 0.0), 0.3, 4);
     let doubt = doubt(&found).unwrap();
-    assert!(doubt.contains("a gravity 177.0° ") && doubt.contains("set `gravity = ["), "{doubt}");
+    assert!(doubt.contains("show gravity 177.0° ") && doubt.contains("set `gravity = ["), "{doubt}");
     let codes: Vec<&str> = found.findings.iter().map(|finding| finding.code).collect();
     assert!(!codes.contains(&"other-gravity"), "{codes:?}");
 }

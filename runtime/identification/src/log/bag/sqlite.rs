@@ -20,7 +20,7 @@ pub(super) fn read(bytes: &[u8], bag: &mut Bag) -> Result<(), String> {
         Ok(())
     })?;
     let [Some(topics), Some(messages)] = tables else {
-        return Err("the SQLite file does not have the tables of a ROS 2 bag: give a bag".to_owned());
+        return Err("the SQLite file lacks the tables of a ROS 2 bag: give a bag".to_owned());
     };
     file.rows(topics, &mut |id, columns| {
         if let [_, Value::Bytes(name), Value::Bytes(kind), Value::Bytes(encoding), ..] = columns {
@@ -33,9 +33,7 @@ pub(super) fn read(bytes: &[u8], bag: &mut Bag) -> Result<(), String> {
         [_, Value::Number(topic), Value::Number(time), Value::Bytes(data), ..] => {
             bag.message(*topic, *time, data)
         }
-        _ => {
-            Err("the table of messages of the SQLite file is not that of a ROS 2 bag: give a bag".to_owned())
-        }
+        _ => Err("the SQLite file has another table of messages than a ROS 2 bag: give a bag".to_owned()),
     })
 }
 

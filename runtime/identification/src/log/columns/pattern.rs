@@ -104,7 +104,10 @@ impl ColumnOptions {
             let hold = Hold::parse(pattern).map_err(fault)?;
             let matching: Vec<usize> = (0..joints.len()).filter(|j| hold.matches(&joints[*j])).collect();
             if matching.is_empty() {
-                return Err(fault(format!("no joint has such a name. The joints are {}", shortened(joints))));
+                return Err(fault(format!(
+                    "no joint matches this name or pattern. The joints are {}",
+                    shortened(joints)
+                )));
             }
             matching.into_iter().for_each(|joint| held[joint] = Some(hold.position));
         }
@@ -368,7 +371,7 @@ mod tests {
         let message = |line: &str| held(line).unwrap_err().to_string();
         assert!(
             message("hold=elbow")
-                .contains("--hold `elbow`: no joint has such a name. The joints are shoulder")
+                .contains("--hold `elbow`: no joint matches this name or pattern. The joints are shoulder")
         );
         assert!(message("hold=wrist_1=up").contains("the value must be a finite number"));
     }

@@ -73,7 +73,7 @@ fn files_that_are_no_bags_of_joint_states_are_refused() {
     for (bytes, message) in [
         (sqlite[..40_000].to_vec(), "the SQLite file is incomplete"),
         (mcap[..40_000].to_vec(), "the MCAP file ends within a record"),
-        (renamed("topics", "tropic", sqlite), "the SQLite file does not have the tables of a ROS 2 bag"),
+        (renamed("topics", "tropic", sqlite), "the SQLite file lacks the tables of a ROS 2 bag"),
         (
             renamed("sensor_msgs/msg/JointState", "sensor_msgs/msg/JointTrack", mcap),
             "the bag has no messages of type sensor_msgs/msg/JointState: record a topic of this type; the topics of the bag \

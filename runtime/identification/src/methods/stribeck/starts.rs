@@ -94,7 +94,9 @@ pub(super) fn search(data: &Data, settings: &StribeckRegression) -> Result<Norma
     best.ok_or_else(|| IdentificationError::NotConverged {
         what: "the search for starts".into(),
         iterations: STEEPNESSES * DECAYS,
-        detail: format!("the cost is not finite for any start, with speeds up to {fastest} rad/s"),
+        detail: format!(
+            "the cost is not finite for any start value, with speeds up to {fastest} rad/s: check the units"
+        ),
     })
 }
 
