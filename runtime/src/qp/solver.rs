@@ -170,3 +170,96 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
         core!(&self.0, core => core.row_multipliers(k))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "test code")]
+
+    use super::super::problem::{Penalty, QpProblem};
+    use super::super::status::QpStatus;
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    const HORIZON: usize = 12;
+
+    /// Coupled masses away from rest, with hard input bounds, soft bounds of the speeds, and a weight of the input's change.
+    fn problem<const NX: usize, const NU: usize>(seed: u64) -> QpProblem<NX, NU> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut any = |size: f64| size * random.random_range(-1.0..1.0);
+        let mut problem = QpProblem::<NX, NU>::new(HORIZON);
+        let coupling: [[f64; NU]; NU] = core::array::from_fn(|_| core::array::from_fn(|_| any(0.1)));
+        for i in 0..NX {
+            problem.initial_state[i] = any(2.0);
+            problem.state_weight[i][i] = 1.0;
+            problem.terminal_weight[i][i] = 10.0;
+        }
+        for i in 0..NU {
+            (problem.input_weight[i][i], problem.input_rate_weight[i][i]) = (0.01, 0.001 * (seed % 2) as f64);
+            problem.state_penalty[NX - 1 - i] = Some(Penalty { linear: 50.0, quadratic: 10.0 });
+        }
+        for stage in &mut problem.stages {
+            for i in 0..NX {
+                stage.state_matrix[i][i] = 1.0;
+                if i + NU < NX {
+                    stage.state_matrix[i][i + NU] = 0.1;
+                }
+            }
+            for i in 0..NU {
+                let last = NX - NU + i;
+                stage.input_matrix[last] = coupling[i];
+                stage.input_matrix[last][i] += 0.2;
+                (stage.input_lower[i], stage.input_upper[i]) = (-1.0, 0.8);
+                (stage.state_lower[last], stage.state_upper[last]) = (-0.4, 0.4);
+            }
+        }
+        problem
+    }
+
+    /// Costs of a cold solve, and of a warm solve of the shifted problem. All problems have active bounds.
+    fn costs<const NX: usize, const NU: usize>(engine: Engine<NX, NU, 0>, seed: u64) -> [f64; 2] {
+        let (mut solver, mut problem) = (QpSolver(engine), problem::<NX, NU>(seed));
+        let cold = solver.solve(&problem);
+        let at_bound = |k: usize| solver.input(k).iter().any(|input| *input < -0.99 || *input > 0.79);
+        assert!((0..HORIZON).any(at_bound), "no bound is active");
+        problem.initial_state = solver.state(1);
+        solver.shift();
+        let warm = solver.solve_warm(&problem);
+        [cold, warm].map(|report| {
+            assert_eq!(report.status, QpStatus::Solved, "{NX} states, seed {seed}");
+            report.cost
+        })
+    }
+
+    fn agree<const NX: usize, const NU: usize>() {
+        let settings = QpSettings { tolerance: 1e-9, ..QpSettings::default() };
+        for seed in 0..4 {
+            let expected = costs::<NX, NU>(Engine::Portable(Core::new(HORIZON, settings)), seed);
+            let assert_near = |found: [f64; 2]| {
+                for (found, expected) in found.iter().zip(&expected) {
+                    assert!(
+                        (found - expected).abs() < 1e-8 * expected.abs(),
+                        "{NX}, {seed}: {found}, {expected}"
+                    );
+                }
+            };
+            #[cfg(all(target_arch = "x86_64", feature = "std"))]
+            {
+                if has_avx2() {
+                    assert_near(costs::<NX, NU>(Engine::Avx2(Core::new(HORIZON, settings)), seed));
+                }
+                if has_avx512() {
+                    assert_near(costs::<NX, NU>(Engine::Avx512(Core::new(HORIZON, settings)), seed));
+                }
+            }
+        }
+    }
+
+    /// Sizes with and without padding. The solver would choose only one kind of vectors on this processor.
+    #[test]
+    fn all_kinds_of_vectors_find_the_same_optimum() {
+        agree::<2, 1>();
+        agree::<9, 4>();
+        agree::<14, 7>();
+    }
+}
