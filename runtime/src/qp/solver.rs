@@ -18,8 +18,11 @@ pub const MAX_SIZE: usize = 32;
 /// All memory is allocated at construction. A solve does not allocate and never panics. A solve with a cold start takes
 /// at most three times [`QpSettings::max_iterations`] iterations. A warm start takes at most 16 more iterations. The
 /// result of a cold start only depends on the problem, and equals the result of a new solver bit for bit. The result of a
-/// warm start also depends on earlier solves. Results of processors with and without fused multiply-add differ by
-/// rounding.
+/// warm start also depends on earlier solves.
+///
+/// On x86-64 processors, the construction of a solver selects the vector instructions. They are AVX-512 if this needs fewer
+/// vectors for the states than AVX2, otherwise AVX2 with fused multiply-add, if the processor has them. Results with
+/// different instructions differ by rounding.
 ///
 /// ```
 /// use gelenk_runtime::qp::{QpProblem, QpSettings, QpSolver, QpStatus};
