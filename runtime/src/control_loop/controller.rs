@@ -79,12 +79,11 @@ pub enum ControllerFault {
     },
 }
 
-/// A joint that is too fast for the zero-order hold over a period. The product of the joint's rate ν and the
-/// period exceeds 2e7, see [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize).
+/// A joint whose dynamics are too fast for the zero-order hold, e.g. because of steep friction. The bound ν (1/s)
+/// on its fastest rate times the period exceeds 2e7, see [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize).
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
-    "the motion of joint {} cannot be predicted over a period of {period} s: its force has a slope of {slope:.3e} N m \
-     s/rad (or N s/m) over its speed, a rate of {rate:.1e} 1/s. Use a model with less steep friction",
+    "the motion of joint {} cannot be predicted over a period of {period} s. The slope of its force over its speed, {slope:.3e} N m s/rad (or N s/m), causes a rate of {rate:.1e} 1/s. Use a model with less steep friction",
     Named(.name)
 )]
 pub struct TooFast {

@@ -20,7 +20,7 @@ pub enum EncoderFault {
     /// The position is further from the last accepted position than the joint can have moved.
     #[error(
         "the measured position of joint {} jumped by {distance:.4} rad (or m), but `guard.jump_speed` and \
-         `guard.jump_margin` allow {possible:.4} in this time: check its encoder",
+         `guard.jump_margin` allow {possible:.4} in this time. Check its encoder",
         Named(.name)
     )]
     Jump {
@@ -37,8 +37,7 @@ pub enum EncoderFault {
     /// encoder fails.
     #[error(
         "the measured position of joint {} did not change during {desired:.4} rad (or m) of desired motion, \
-         above the limit `guard.frozen_motion`: the joint sticks (friction, a brake, an input without effect), \
-         or its encoder fails",
+         above the limit `guard.frozen_motion`. Check its encoder, its brake, and whether friction or an input without effect holds the joint",
         Named(.name)
     )]
     Frozen {
@@ -53,8 +52,7 @@ pub enum EncoderFault {
     /// Possible reasons are a wrong sign, unit or gear ratio, or a sensor that fails.
     #[error(
         "the measured velocity {measured:.4} rad/s (or m/s) of joint {} differs by {mismatch:.4} from the \
-         change of its position, above the limit {possible:.4} of `guard.velocity_mismatch`: check its sign \
-         and unit",
+         change of its position, above the limit {possible:.4} of `guard.velocity_mismatch`. Check its sign and unit",
         Named(.name)
     )]
     Velocity {

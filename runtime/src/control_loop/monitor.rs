@@ -65,10 +65,7 @@ impl fmt::Display for LimitFault {
             ),
             Self::FollowingError { name, error, limit, .. } => write!(
                 f,
-                "joint {} is {error:.4} rad (or m) away from its desired position, above the limit \
-                 {limit:.4} of `following_error`; right after the start check signs and order of inputs and \
-                 encoders; later check that inputs and soft limits allow the trajectory (`notes` of a \
-                 predictive controller, `limits::violations`)",
+                "joint {} is {error:.4} rad (or m) away from its desired position, above the limit {limit:.4} of `following_error`. Right after the start, check signs and order of inputs and encoders. Later, check that inputs and soft limits allow the trajectory: see `notes` of a predictive controller and `limits::violations`",
                 Named(name)
             ),
         }

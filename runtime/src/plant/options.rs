@@ -212,9 +212,7 @@ pub enum PlantError {
     /// Dry friction acts on several joints together, for example on the shaft of a motor that moves two joints. The
     /// plant cannot determine the holding force at rest of such friction.
     #[error(
-        "friction that is discontinuous at rest acts on joints {} and {} together (a motor that moves both, or a \
-         joint that follows both), but the plant can only simulate sticking of single joints; generate the model \
-         of the plant with smooth friction (`--smooth-sign 100`)", Named(.first), Named(.second)
+        "the plant cannot simulate sticking of joints {} and {} together. A motor that moves both joints, or a joint that follows both, has friction with a jump at rest. Generate the model of the plant with smooth friction: `--smooth-sign 100`", Named(.first), Named(.second)
     )]
     SharedFriction {
         /// Name of the first joint.

@@ -244,7 +244,7 @@ pub enum TrajectoryError {
     /// Between two points, a joint that follows several coordinates leaves its position limits.
     #[error(
         "joint {}, which follows several coordinates, would reach {position} rad (or m) between points {} and \
-         {}, outside its limits {} to {}: insert a point between the two points",
+         {}, outside its limits {} to {}. Insert a point between the two points",
         Named(.joint), .point + 1, .point + 2, .limits[0], .limits[1]
     )]
     DependentOvershoot {
@@ -259,9 +259,7 @@ pub enum TrajectoryError {
     },
     /// A joint that follows several coordinates has limits, but the motion only keeps limits of single coordinates.
     #[error(
-        "joint {} follows several coordinates, but motions to a changing target only keep limits of single \
-         coordinates: narrow the limits of these coordinates and remove the joint from \
-         `MotionLimits::dependent`, or use `ViaPoints`",
+        "a motion to a changing target cannot keep the limits of joint {}, because it follows several joints. Narrow the limits of these joints and remove it from `MotionLimits::dependent`, or use `ViaPoints`",
         Named(.joint)
     )]
     DependentNotKept {
@@ -286,8 +284,7 @@ pub enum TrajectoryError {
     },
     /// Between two points a joint turns by 180°, so the shortest direction is not unique.
     #[error(
-        "joint {} turns by {angle} rad between points {} and {}, so the direction of this half turn is \
-         ambiguous: insert a point between the two points", Named(.joint), .point, .point + 1
+        "joint {} turns by {angle} rad between points {} and {}, so the direction of this half turn is ambiguous. Insert a point between the two points", Named(.joint), .point, .point + 1
     )]
     HalfTurn {
         /// Name of the joint.

@@ -59,7 +59,7 @@ pub enum TransportError {
     Restarted,
     /// The program on the robot's side does not answer.
     #[error(
-        "the robot's side does not answer: check that it runs, its address, and that it has the same version"
+        "the program at the robot does not answer. Check that it runs, that it has the same version, and its address"
     )]
     NoAnswer,
     /// The operating system failed to send or receive.
