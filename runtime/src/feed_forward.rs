@@ -35,7 +35,8 @@ pub enum FeedForwardError {
     InputMatrix,
     /// The trajectory requires forces that no input can produce.
     #[error(
-        "the trajectory is not feasible. At {time} s, joint {} requires a force of {residual} N m (or N) that no input can produce (tolerance: {tolerance}). Plan a motion that satisfies the joint's equation of motion",
+        "the trajectory is not feasible. At {time} s, joint {} requires a force of {residual} N m (or N) that no input can \
+         produce (tolerance: {tolerance}). Plan a motion that satisfies the joint's equation of motion",
         Named(.name)
     )]
     Infeasible {

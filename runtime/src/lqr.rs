@@ -93,7 +93,8 @@ pub enum LqrError {
     /// mode of the system on or outside the unit circle does not appear in the cost. The number is the
     /// relative residual after the last iteration.
     #[error(
-        "the Riccati equation has no stabilizing solution (residual {0:.1e}). Check that every unstable mode is controllable and has a state weight"
+        "the Riccati equation has no stabilizing solution (residual {0:.1e}). Check that every unstable mode is controllable and \
+         has a state weight"
     )]
     NotStabilizable(f64),
     /// A stabilizing gain was computed, but its residual is too large: above 1e-6, or above 1e-9 and above its

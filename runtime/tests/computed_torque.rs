@@ -131,7 +131,8 @@ fn robots_with_fewer_drives_than_joints_are_refused() {
     assert_eq!(error, ComputedTorqueError::Underactuated { joint: 1, name: "pole" });
     assert_eq!(
         error.to_string(),
-        "the inputs cannot produce an arbitrary force at joint pole: computed torque needs a drive for every coordinate. Use `JointPd` instead"
+        "the inputs cannot produce an arbitrary force at joint pole. Computed torque needs a drive for every coordinate. Use \
+         `JointPd` instead"
     );
 }
 

@@ -83,7 +83,8 @@ pub enum ControllerFault {
 /// on its fastest rate times the period exceeds 2e7, see [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize).
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
-    "the motion of joint {} cannot be predicted over a period of {period} s. The slope of its force over its speed, {slope:.3e} N m s/rad (or N s/m), causes a rate of {rate:.1e} 1/s. Use a model with less steep friction",
+    "the motion of joint {} cannot be predicted over a period of {period} s. The slope of its force over its speed, {slope:.3e} N \
+     m s/rad (or N s/m), causes a rate of {rate:.1e} 1/s. Use a model with less steep friction",
     Named(.name)
 )]
 pub struct TooFast {

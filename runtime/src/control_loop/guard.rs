@@ -36,8 +36,8 @@ pub enum EncoderFault {
     /// The measured position remained constant while the desired position moved. Either the joint sticks, or the
     /// encoder fails.
     #[error(
-        "the measured position of joint {} did not change during {desired:.4} rad (or m) of desired motion, \
-         above the limit `guard.frozen_motion`. Check its encoder, its brake, and whether friction or an input without effect holds the joint",
+        "the measured position of joint {} did not change during {desired:.4} rad (or m) of desired motion, above the limit \
+         `guard.frozen_motion`. Check its encoder, its brake, and whether friction or an input without effect holds the joint",
         Named(.name)
     )]
     Frozen {

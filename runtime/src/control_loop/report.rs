@@ -224,12 +224,14 @@ impl<const N: usize> fmt::Display for LoopReport<N> {
         writeln!(f, "{}; brakes {}{look}", self.end, self.brakes)?;
         writeln!(
             f,
-            "{} periods: inputs from the controller in {}, the plan in {}, the fallback law in {}, unchanged in {}. {} deadlines missed, at most {} in a row",
+            "{} periods: inputs from the controller in {}, the plan in {}, the fallback law in {}, unchanged in {}. {} deadlines \
+             missed, at most {} in a row",
             c.periods, c.controller, c.plan, c.fallback, c.held, c.deadline_misses, c.longest_miss
         )?;
         write!(
             f,
-            "{} readings missing, {} not finite, {} jumped, {} unchanged, {} with implausible velocities. {} inputs limited, {} controller faults, {} transport errors",
+            "{} readings missing, {} not finite, {} jumped, {} unchanged, {} with implausible velocities. {} inputs limited, {} \
+             controller faults, {} transport errors",
             c.missing,
             c.not_finite,
             c.jumps,

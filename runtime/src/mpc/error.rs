@@ -34,7 +34,8 @@ pub enum MpcError {
     /// The limits of a joint that follows several coordinates are not ensured. The limits of the coordinates allow
     /// positions or speeds beyond the limits of this joint, and a row for this joint is missing.
     #[error(
-        "joint {} can exceed its limits, because it follows several joints and no row of the MPC limits it. Add `.with_rows(MpcRow::of_limits(&robot))` to the options, or a row with the name of this joint",
+        "joint {} can exceed its limits, because it follows several joints and no row of the MPC limits it. Add \
+         `.with_rows(MpcRow::of_limits(&robot))` to the options, or a row with the name of this joint",
         Named(.joint)
     )]
     Dependent {
@@ -43,7 +44,8 @@ pub enum MpcError {
     },
     /// A motor has a torque–speed line, which limits its torque at high speed, but a row for this line is missing.
     #[error(
-        "motor {} has a torque–speed line, but no row of the MPC ensures it. Add `.with_rows(MpcRow::of_limits(&robot))` to the options, or a row with the name of this motor",
+        "motor {} has a torque–speed line, but no row of the MPC ensures it. Add `.with_rows(MpcRow::of_limits(&robot))` to the \
+         options, or a row with the name of this motor",
         Named(.motor)
     )]
     TorqueSpeed {
@@ -118,7 +120,8 @@ pub(super) fn require(
 fn remedy(reason: &LqrError) -> &'static str {
     match reason {
         LqrError::NotStabilizable(_) => {
-            ". If no input acts on a part of the motion, e.g. the momentum of a satellite, set its weights to 0 and `terminal_weight` to `TerminalWeight::Discounted`"
+            ". If no input acts on a part of the motion, e.g. the momentum of a satellite, set its weights to 0 and \
+             `terminal_weight` to `TerminalWeight::Discounted`"
         }
         _ => "",
     }

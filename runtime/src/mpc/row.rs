@@ -323,7 +323,8 @@ impl fmt::Display for RowFault {
             }
             Self::Sides { lower, upper } => write!(
                 f,
-                "its lower limit {lower} exceeds its upper limit {upper}, or a limit is NaN. Write -inf or inf for a missing limit"
+                "its limits {lower} and {upper} are not an interval. The lower limit must not exceed the upper limit. Write -inf \
+                 or inf for a missing limit"
             ),
             Self::Zero { lower, upper } => {
                 write!(
@@ -342,7 +343,8 @@ impl fmt::Display for RowFault {
             ),
             Self::Penalty { linear, quadratic } => write!(
                 f,
-                "its linear penalty is {linear} and its quadratic penalty is {quadratic}. Both must be finite, the first positive and the second not negative"
+                "its linear penalty is {linear} and its quadratic penalty is {quadratic}. Both must be finite, the first positive \
+                 and the second not negative"
             ),
         }
     }

@@ -212,7 +212,8 @@ pub enum PlantError {
     /// Dry friction acts on several joints together, for example on the shaft of a motor that moves two joints. The
     /// plant cannot determine the holding force at rest of such friction.
     #[error(
-        "the plant cannot simulate sticking of joints {} and {} together. A motor that moves both joints, or a joint that follows both, has friction with a jump at rest. Generate the model of the plant with smooth friction: `--smooth-sign 100`", Named(.first), Named(.second)
+        "the plant cannot simulate sticking of joints {} and {} together. A motor that moves both joints, or a joint that follows \
+         both, has friction with a jump at rest. Generate the model of the plant with smooth friction: `--smooth-sign 100`", Named(.first), Named(.second)
     )]
     SharedFriction {
         /// Name of the first joint.

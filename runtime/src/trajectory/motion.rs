@@ -259,7 +259,8 @@ pub enum TrajectoryError {
     },
     /// A joint that follows several coordinates has limits, but the motion only keeps limits of single coordinates.
     #[error(
-        "a motion to a changing target cannot keep the limits of joint {}, because it follows several joints. Narrow the limits of these joints and remove it from `MotionLimits::dependent`, or use `ViaPoints`",
+        "a motion to a changing target cannot keep the limits of joint {}, because it follows several joints. Narrow the limits \
+         of these joints and remove it from `MotionLimits::dependent`, or use `ViaPoints`",
         Named(.joint)
     )]
     DependentNotKept {
@@ -284,7 +285,8 @@ pub enum TrajectoryError {
     },
     /// Between two points a joint turns by 180°, so the shortest direction is not unique.
     #[error(
-        "joint {} turns by {angle} rad between points {} and {}, so the direction of this half turn is ambiguous. Insert a point between the two points", Named(.joint), .point, .point + 1
+        "joint {} turns by {angle} rad between points {} and {}, so the direction of this half turn is ambiguous. Insert a point \
+         between the two points", Named(.joint), .point, .point + 1
     )]
     HalfTurn {
         /// Name of the joint.

@@ -16,22 +16,26 @@ const EFFECTS: [Effect; 10] = [
     Effect {
         words: &ROTORS,
         idle: IDLE,
-        text: "skipped: rotor inertias are not read from a URDF. Write them in a TOML file as `drive = { gear_ratio = i, rotor_inertia = J, coupling = \"diagonal\" }` of the joint",
+        text: "skipped: rotor inertias are not read from a URDF. Write them in a TOML file as `drive = { gear_ratio = i, \
+               rotor_inertia = J, coupling = \"diagonal\" }` of the joint",
     },
     Effect {
         words: &["springstiffness", "springreference", "springref", "stiffness", "torsionalspring"],
         idle: IDLE,
-        text: "skipped: springs at joints are not read from a URDF. Write them in a TOML file as `spring = { stiffness = 12, rest = 0.2 }` of the joint",
+        text: "skipped: springs at joints are not read from a URDF. Write them in a TOML file as `spring = { stiffness = 12, rest \
+               = 0.2 }` of the joint",
     },
     Effect {
         words: &["damping", "dampingfactor", "frictionloss", "viscousfriction", "coulombfriction"],
         idle: IDLE,
-        text: "skipped: friction and damping in the notation of other tools are not read. Write them in a TOML file as `friction = { viscous = 0.5, coulomb = 2 }` of the joint",
+        text: "skipped: friction and damping in the notation of other tools are not read. Write them in a TOML file as `friction \
+               = { viscous = 0.5, coulomb = 2 }` of the joint",
     },
     Effect {
         words: &["linearbushingrpy", "bushing", "linearspringdamper", "forceelement"],
         idle: IDLE,
-        text: "skipped: forces between links are not read from a URDF. Write them in a TOML file as `[[forces]]` with `between = [\"a\", \"b\"]` and `law = \"1200*(l - 0.3) + 40*dl\"`",
+        text: "skipped: forces between links are not read from a URDF. Write them in a TOML file as `[[forces]]` with `between = \
+               [\"a\", \"b\"]` and `law = \"1200*(l - 0.3) + 40*dl\"`",
     },
     Effect {
         words: &["buoyancy", "hydrodynamics", "liftdrag", "aerodynamics", "winddrag"],
@@ -41,12 +45,14 @@ const EFFECTS: [Effect; 10] = [
     Effect {
         words: &["loopjoint", "ballconstraint", "connect", "weld", "distanceconstraint"],
         idle: &[],
-        text: "skipped: the constraints of closed loops are not read, so the robot moves without them. Describe a linear dependence of joints in a TOML file with `follows = { … }`",
+        text: "skipped: the constraints of closed loops are not read, so the robot moves without them. Describe a linear \
+               dependence of joints in a TOML file with `follows = { … }`",
     },
     Effect {
         words: &["mimicjoint"],
         idle: &[],
-        text: "skipped: joint couplings by plugins are not read. Use `<mimic>` of the joint, or `follows = { leader = -1 }` in a TOML file",
+        text: "skipped: joint couplings by plugins are not read. Use `<mimic>` of the joint, or `follows = { leader = -1 }` in a \
+               TOML file",
     },
     Effect {
         words: &["turngravityoff", "gravcomp"],

@@ -113,7 +113,8 @@ impl Estimated<'_> {
             Offsets::Common => "each joint's force has one constant offset for all runs",
             Offsets::ByRun => "each joint's force has a separate constant offset for each run",
         };
-        let exact = "the forces at spherical and floating joints are computed from the inputs and taken as exact. Neither an offset nor friction is estimated for these joints";
+        let exact = "the forces at spherical and floating joints are computed from the inputs and taken as exact. Neither an \
+                     offset nor friction is estimated for these joints";
         let said = [(false, said), (true, exact)];
         said.into_iter()
             .filter(|(kind, _)| self.layout.exact.contains(kind))
@@ -343,7 +344,8 @@ const UNEXPLAINED: Rule = Rule::error("unexplained-effort");
 pub(super) fn unexplained(robot: &dyn Robot, joint: usize) -> Finding {
     let remedy = "check sign, unit and assignment of the columns, that the robot moved freely, and how it is mounted (`gravity` of \
                   the description)";
-    UNEXPLAINED.found("the model hardly explains the measured effort of this joint, and none of the checked faults of the log explains it better").of(robot.subject(joint)).help(remedy)
+    UNEXPLAINED.found("the model hardly explains the measured effort of this joint, and none of the checked faults of the log \
+                       explains it better").of(robot.subject(joint)).help(remedy)
 }
 
 /// Whether a finding is the one of [`unexplained`].

@@ -194,9 +194,9 @@ impl LogMoments {
         let (logs, samples, shares) = (self.logs.len(), self.samples(), self.shares());
         let plural = if logs == 1 { "log" } else { "logs" };
         vec![format!(
-            "moments of {logs} {plural}, {samples} samples, {seconds:.1} s, in {shares} groups for cross-validation, low-pass filter {filters}. \
-             R² is computed with one offset for each run. The values of these offsets cannot be computed from moments, so they are \
-             not reported"
+            "moments of {logs} {plural}, {samples} samples, {seconds:.1} s, in {shares} groups for cross-validation, low-pass \
+             filter {filters}. R² is computed with one offset for each run. The values of these offsets cannot be computed from \
+             moments, so they are not reported"
         )]
     }
 

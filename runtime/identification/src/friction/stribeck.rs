@@ -237,8 +237,8 @@ fn other_law(fit: &StribeckFit, data: &FrictionData) -> Option<Finding> {
             format!("only {slow} samples are slower than the Stribeck speed v_s = {said_speed} {velocity}")
         }),
         (highest > coulomb && !stands_out(fit)).then(|| {
-            format!("with v_s = {said_speed} {velocity}, static friction falls to Coulomb friction within the speeds at which tanh smooths \
-                     the sign of the velocity, so the law never noticeably exceeds Coulomb friction")
+            format!("with v_s = {said_speed} {velocity}, static friction falls to Coulomb friction within the speeds at which \
+                     tanh smooths the sign of the velocity, so the law never noticeably exceeds Coulomb friction")
         }),
     ];
     let faults: Vec<String> = faults.into_iter().flatten().collect();
