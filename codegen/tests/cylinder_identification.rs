@@ -261,8 +261,8 @@ fn a_joint_that_no_cylinder_moves_is_named_with_the_remedy() {
     let file = folder.path().join("loose.toml");
     fs::write(&file, text.replace("input = \"bucket_cylinder\"\nlimits = [-35e3, 22e3]\n", "")).unwrap();
     let (_, succeeded, said) = plan(&file, &[]);
-    let words = "joint bucket: it has no drive, and no input at a frame moves it, so no motion can be planned; describe the force \
-                 that moves it";
+    let words = "joint bucket: no motion can be planned, because neither a drive nor an input at a frame moves this joint. \
+                 Describe the force that moves it";
     assert!(!succeeded && said.contains(words), "{said}");
 }
 

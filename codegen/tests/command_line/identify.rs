@@ -255,7 +255,7 @@ fn a_planned_motion_identifies_what_a_simulated_arm_is() {
     for text in [fs::read_to_string(at("half.toml")).unwrap(), String::from_utf8(half.stdout).unwrap()] {
         assert!(text.contains("its effort is 0 in every row from row 2 on"), "{text}");
         assert!(
-            text.contains("it has no measured effort, or only currents while it rests: its friction, drive and offset stay as described"),
+            text.contains("it has no measured effort, or only currents while it rests. Its friction, drive and offset stay as described"),
             "{text}"
         );
     }

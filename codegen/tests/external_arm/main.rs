@@ -313,7 +313,7 @@ fn terms_are_chosen_by_the_method_that_is_named() {
     let methods = [
         ("subset", "the best subset of terms was chosen by "),
         ("stls", "sequentially thresholded least squares (threshold 0.1, "),
-        ("lasso", "LASSO chose the terms with "),
+        ("lasso", "LASSO chose the terms by cross-validation with "),
         ("all", "least squares fitted all terms"),
     ];
     for (method, words) in methods {

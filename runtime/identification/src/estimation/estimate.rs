@@ -117,7 +117,7 @@ fn untold(robot: &dyn Robot, error: &IdentificationError) -> Option<(usize, Find
         None if !reasons.iter().any(is_unexplained) => return None,
         None => (refusal.message.clone(), None),
     };
-    let kept = "It is left out: its friction and drive, and body parameters that other joints do not determine, stay as described";
+    let kept = "It is left out. Its friction and drive, and body parameters that other joints do not determine, stay as described";
     let finding = LEFT_OUT.found(format!("{reason}. {kept}")).of(refusal.about.subject.clone());
     let joint =
         (0..robot.joint_names().len()).find(|joint| robot.subject(*joint) == finding.about.subject)?;

@@ -63,14 +63,14 @@ fn velocity(runs: &[Run], joint: usize) -> Option<String> {
     }
     if vv <= 0.0 {
         return Some(
-            "its column of velocities is zero although the joint moves; the column is not needed".into(),
+            "its column of velocities is zero although the joint moves. The column is not needed".into(),
         );
     }
     let correlation = qv / (qq * vv).sqrt();
     let ratio = qv / vv;
     if correlation.abs() < levels::RELATED.get() {
         return Some(format!(
-            "its column of velocities is hardly correlated with the derivative of its positions ({correlation:.2}): check \
+            "its column of velocities does not match the derivative of its positions (correlation {correlation:.2}). Check \
              whether the column belongs to another joint or has commanded values"
         ));
     }
@@ -82,7 +82,7 @@ fn velocity(runs: &[Run], joint: usize) -> Option<String> {
     let unit = UNITS.iter().find(|(factor, _)| (size / factor - 1.0).abs() < 0.1);
     let guess = unit.map_or(String::new(), |(_, name)| format!("; velocities in {name} would explain it"));
     Some(format!(
-        "its column of velocities has {sign} the derivative of its positions: the derivative is {} times the column{guess}",
+        "its column of velocities has {sign} the derivative of its positions. The derivative is {} times the column{guess}",
         plain(ratio, 4)
     ))
 }

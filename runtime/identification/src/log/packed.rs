@@ -69,12 +69,12 @@ pub(super) fn unpacked(bytes: &[u8], most: u64) -> Result<Cow<'_, [u8]>, String>
         let frame = frame.and_then(|(format, _)| format.frame(&mut rest, most - content.len() as u64));
         content.extend(frame.map_err(|error| {
             format!(
-                "the file begins as a {name} file, but cannot be decompressed ({error}): compress it again"
+                "the file begins as a {name} file, but cannot be decompressed: {error}. Compress it again"
             )
         })?);
         if content.len() as u64 > most {
             return Err(format!(
-                "the content is larger than the largest size of a log ({most} bytes): split the log"
+                "the content is larger than the largest size of a log, {most} bytes. Split the log"
             ));
         }
     }

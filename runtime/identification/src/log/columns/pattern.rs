@@ -133,7 +133,7 @@ impl ColumnOptions {
 fn twice(kind: Kind) -> String {
     match kind {
         Kind::Attitude => "the quaternions are named twice, by `xyzw` and by `wxyz`: remove one of them".into(),
-        _ => "this quantity is named twice: remove one part (`torque`, `input` and `current` count as one quantity)".into(),
+        _ => "this quantity is named twice. Remove one part: `torque`, `input` and `current` count as one quantity".into(),
     }
 }
 
@@ -190,8 +190,7 @@ impl Pattern {
         let (given, count) = (chosen.columns.len(), targets.names.len());
         if given != count {
             let needed = format!(
-                "the pattern names {given} columns, but {count} are needed, one for each joint, input or \
-                                  component"
+                "the pattern names {given} columns, but {count} are needed: one for each joint, input or component"
             );
             return Err(fault(&self.text, needed));
         }
