@@ -57,7 +57,7 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
         let message = format!("joint `{}` has an `offset` but follows no joint", name.value);
         report.error(offset.span, "conflicting-keys", message);
         report
-            .help("`offset` is the position of a follower if the followed joints are at 0: add `follows`, or remove `offset`");
+            .help("`offset` is the position of a follower if the followed joints are at 0. Add `follows`, or remove `offset`");
     }
 }
 

@@ -91,8 +91,8 @@ fn refuse(body: &BodyDescription, flaw: &Flaw, report: &mut Report) {
     report.push(Some(span), Diagnostic { severity, ..Diagnostic::note(code, message) });
     if severity != Severity::Note {
         report.help(
-            "give the mass, and the inertia about the centre of mass; `accept_unphysical = true` in a TOML \
-             body accepts the published value",
+            "give the mass, and the inertia about the centre of mass. `accept_unphysical = true` in a TOML body accepts the \
+             published value",
         );
     }
 }
@@ -112,15 +112,14 @@ impl Published<'_> {
             false => String::new(),
         };
         let message = format!(
-            "{} of {} moving bodies are not physical: {}; the model uses the published values{definite}",
+            "{} of {} moving bodies are not physical: {}. The model uses the published values{definite}",
             self.findings.len(),
             self.moving,
             listed(entries),
         );
         report.warning(span_of(first.body), "unphysical-bodies", message);
         report.help(
-            "a real body has positive mass; no principal moment about its centre of mass is negative, and \
-             none exceeds the sum of the other two",
+            "a real body has positive mass. No principal moment about its centre of mass is negative or exceeds the sum of the other two",
         );
     }
 }

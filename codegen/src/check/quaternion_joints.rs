@@ -51,8 +51,8 @@ impl Velocity<'_> {
             );
         }
         if let Some(follows) = follows {
-            let help = "a joint with a quaternion cannot follow a coordinate: describe it with revolute \
-                        joints, for example type \"universal\"";
+            let help = "a joint with a quaternion cannot follow a coordinate. Describe it with revolute joints, for example type \
+                        \"universal\"";
             self.refuse(follows.span, "`follows`", help, report);
         }
         if let Some(springs) = springs
@@ -100,8 +100,7 @@ fn refuse_following(robot: &RobotDescription, followed: &Name, by: &Name, report
         );
         report.error(followed.span, "quaternion-joint", message);
         report.help(
-            "only a joint with one position can be followed; for a torque on this joint use `drive \
-                     = \"ideal\"` at the joint",
+            "only a joint with one position can be followed. For a torque on this joint, use `drive = \"ideal\"` at the joint",
         );
     }
 }

@@ -61,7 +61,7 @@ impl Failure {
             }
             Self::Internal(message) => {
                 print::err(&format!(
-                    "internal error: {message}; please report it at {}, with the description and the command\n",
+                    "internal error: {message}. Please report it at {}, with the description and the command\n",
                     env!("CARGO_PKG_REPOSITORY")
                 ));
                 INTERNAL

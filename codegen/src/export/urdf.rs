@@ -16,10 +16,10 @@ const UNLIMITED: f64 = 1e31;
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 const ROTOR: &str =
-    "has no rotors and gears; M lacks the rotor inertia, and inputs act at the joints, for the drives";
+    "has no rotors and gears. M lacks the rotor inertia, and inputs act at the joints, for the drives";
 const IDEAL: &str = "cannot mark a joint without a drive; most readers assume a drive at";
 const OTHER_FRICTION: &str =
-    "has only viscous and dry friction; other laws (Stribeck, tanh, position) are omitted at";
+    "has only viscous and dry friction. Other laws (Stribeck, tanh, position) are omitted at";
 const SPHERICAL: &str =
     "has the type `spherical` only as an extension; urdfdom and Pinocchio reject the whole file because of";
 const SEVERAL: &str =
@@ -203,7 +203,7 @@ impl Writer<'_> {
             (!joint.springs.is_empty(), "has no springs; they are omitted at"),
             (
                 limits.effort.is_some() && limits.peak_effort.is_some(),
-                "has one force limit per joint; the nominal limit is omitted and the peak limit written at",
+                "has one force limit per joint. The nominal limit is omitted and the peak limit written at",
             ),
         ] {
             if is_lost {
@@ -215,7 +215,7 @@ impl Writer<'_> {
     fn quaternion_losses(&mut self, part: &Joint) {
         if !part.friction.is_empty() || !part.springs.is_empty() {
             self.losses.add(
-                "has no friction or dampers at joints with a quaternion; they are omitted at",
+                "has no friction or dampers at joints with a quaternion. They are omitted at",
                 &part.name,
             );
         }

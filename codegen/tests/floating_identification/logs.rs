@@ -138,7 +138,7 @@ fn broken() -> Vec<(String, &'static str, &'static [&'static str])> {
         (
             changed(100, "0,0,0,0"),
             "",
-            &["log.csv, row 101", "is zero, so it is not an orientation", "remove the rows"],
+            &["log.csv, row 101", "is zero, so it is not an orientation", "Remove the rows"],
         ),
         (changed(7, "3,40,2,1"), "", &["row 8", "has the length 40.1", "The columns may be angles"]),
         (

@@ -280,7 +280,7 @@ mod tests {
         assert_eq!(guard.check(&[1.0, 0.01], None, &[1.04, 0.01]), Ok(()));
         let fault = guard.check(&[1.0, 0.02], None, &[1.06, 0.02]).unwrap_err();
         assert!(matches!(fault, EncoderFault::Frozen { joint: 0, .. }));
-        assert!(fault.to_string().contains("the joint sticks"));
+        assert!(fault.to_string().contains("holds the joint"));
         // The desired motion is counted from the last change of the reading.
         guard.elapse(0.02);
         assert_eq!(guard.check(&[1.001, 0.03], None, &[1.07, 0.03]), Ok(()));

@@ -94,7 +94,7 @@ fn a_bag_that_is_not_closed_is_refused() {
     let read = || runs(std::slice::from_ref(&path), &Fake::numbered(2), &ColumnOptions::default());
     assert!(read().is_ok());
     std::fs::write(folder.path().join("bag.db3-wal"), "rows").unwrap();
-    assert!(read().unwrap_err().to_string().contains("write them back"));
+    assert!(read().unwrap_err().to_string().contains("Write them back"));
 }
 
 /// Damaged bags are read or rejected without a panic.

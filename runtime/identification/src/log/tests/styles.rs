@@ -73,17 +73,7 @@ fn styles() -> Vec<(&'static str, &'static str, Row, &'static str, Effort, bool)
             format!("{},1,{},{},,\"['joint_2', 'joint_1']\",{},{},{},{}", 1.7e9 + 1.1 * t, ns / 1_000_000_000, ns % 1_000_000_000, b[0], a[0], b[2], a[2])
         }, "", Joint, false),
         ("rtde", "timestamp target_q_0 target_q_1 actual_q_0 actual_q_1 actual_qd_0 actual_qd_1 actual_current_0 actual_current_1 \
-                  actual_TCP_pose_0 actual_TCP_pose_1", |t, [a, b]| format!("{} \
-                                                                                                                                                                                             0 \
-                                                                                                                                                                                             1 \
-                                                                                                                                                                                             {} \
-                                                                                                                                                                                             {} \
-                                                                                                                                                                                             {} \
-                                                                                                                                                                                             {} \
-                                                                                                                                                                                             {} \
-                                                                                                                                                                                             {} \
-                                                                                                                                                                                             5 \
-                                                                                                                                                                                             6", 8123.5 + t - 8123.5, a[0], b[0], a[1], b[1], a[2], b[2]), "", Current, true),
+                  actual_TCP_pose_0 actual_TCP_pose_1", |t, [a, b]| format!("{} 0 1 {} {} {} {} {} {} 5 6", 8123.5 + t - 8123.5, a[0], b[0], a[1], b[1], a[2], b[2]), "", Current, true),
         ("franka", "time \
                     [ms],q[0],q[1],q_d[0],q_d[1],dq[0],dq[1],tau_J[0],tau_J[1],tau_J_d[0],tau_J_d[1],dtau_J[0],dtau_J[1],tau_ext_hat_filtered[0],tau_ext_hat_filtered[1]", |t, [a, b]| format!("{},{},{},9,9,{},{},{},{},9,9,9,9,9,9", (t * 1000.0).round(), a[0], b[0], a[1], b[1], a[2], b[2]), "", Joint, true),
         ("libfranka", "time, success_rate, state.q[0], state.q[1],state.q_d[0], state.q_d[1],state.dq[0], \
