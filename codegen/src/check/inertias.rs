@@ -108,7 +108,7 @@ impl Published<'_> {
         let entries = self.findings.iter();
         let entries = entries.map(|Finding { body, flaw }| format!("`{}` ({flaw})", body.name.value));
         let definite = match pivots.is_some_and(Pivots::are_positive) {
-            true => format!("; its mass matrix is positive definite at {STATES} pseudo-random states"),
+            true => format!(". Its mass matrix is positive definite at {STATES} pseudo-random states"),
             false => String::new(),
         };
         let message = format!(

@@ -266,5 +266,5 @@ fn report_two_joints(second: &JointDescription, first: &JointDescription, report
         child.value, first.name.value, second.name.value
     );
     report.error(child.span, "two-parents", message);
-    report.help("each link has one joint to its parent; closed loops are not supported");
+    report.help("each link has one joint to its parent. Closed loops are not supported");
 }

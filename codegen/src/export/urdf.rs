@@ -21,9 +21,9 @@ const IDEAL: &str = "cannot mark a joint without a drive; most readers assume a 
 const OTHER_FRICTION: &str =
     "has only viscous and dry friction. Other laws (Stribeck, tanh, position) are omitted at";
 const SPHERICAL: &str =
-    "has the type `spherical` only as an extension; urdfdom and Pinocchio reject the whole file because of";
+    "has the type `spherical` only as an extension. urdfdom and Pinocchio reject the whole file because of";
 const SEVERAL: &str =
-    "supports joints that follow one joint; these follow several and move freely in the file";
+    "supports joints that follow one joint. These follow several and move freely in the file";
 
 struct Writer<'m> {
     model: &'m Model,
@@ -245,7 +245,7 @@ impl Writer<'_> {
         let name = distinct(&frame.name, |name| self.links.iter().any(|link| link == name));
         if name != frame.name {
             self.losses.add(
-                "has links instead of frames; a link has the same name, so another name is used for",
+                "has links instead of frames. A link has the same name, so another name is used for",
                 &frame.name,
             );
         }

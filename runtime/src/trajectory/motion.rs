@@ -269,7 +269,7 @@ pub enum TrajectoryError {
     },
     /// Two consecutive points are equal. A motion without stops cannot pass both points.
     #[error(
-        "points {} and {} are equal: remove one of them, or use `PointSequence` to stop there", .point, .point + 1
+        "points {} and {} are equal. Remove one of them, or use `PointSequence` to stop there", .point, .point + 1
     )]
     RepeatedPoint {
         /// Index of the second point, from 0. Messages count from 1.
@@ -297,7 +297,7 @@ pub enum TrajectoryError {
         angle: f64,
     },
     /// Neither speed nor acceleration of a joint is limited.
-    #[error("joint {} moves, but neither its speed nor its acceleration is limited: set one of these limits", .joint + 1)]
+    #[error("joint {} moves, but neither its speed nor its acceleration is limited. Set one of these limits", .joint + 1)]
     Unlimited {
         /// Index of the joint, from 0. Messages count from 1.
         joint: usize,

@@ -247,7 +247,7 @@ fn even_period(
         Some(k) => {
             let (time, due) = (times[k], expected(k));
             let message = format!(
-                "the time is {time} s, but an even spacing of {period} s requires {due} s; resample the file"
+                "the time is {time} s, but an even spacing of {period} s requires {due} s. Resample the file"
             );
             Err(fault(k + 1, message))
         }

@@ -67,11 +67,11 @@ pub enum TransportError {
     Io(io::ErrorKind),
     /// The motion of the simulated robot over a period cannot be computed.
     #[error(
-        "the motion of the simulated robot over a period cannot be computed: check its model and its options"
+        "the motion of the simulated robot over a period cannot be computed. Check its model and its options"
     )]
     Simulation,
     /// An input is not finite, or too large for its encoding. Nothing was sent.
-    #[error("input {} is not finite, or too large for its encoding; nothing was sent", .input + 1)]
+    #[error("input {} is not finite, or too large for its encoding. Nothing was sent", .input + 1)]
     Input {
         /// Index of the input, from 0. Messages count from 1.
         input: usize,

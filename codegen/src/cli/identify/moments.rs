@@ -29,7 +29,7 @@ pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<Exit
     let path = output(arguments, &loaded, "identified")?;
     if !is_moments(&path) {
         return Err(Failure::Usage(format!(
-            "`--reduce` writes a file of moments: name a file *.{MOMENTS} with --output"
+            "`--reduce` writes a file of moments. Name a file *.{MOMENTS} with --output"
         )));
     }
     let settings = settings(arguments)?;

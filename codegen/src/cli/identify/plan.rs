@@ -66,7 +66,7 @@ fn posture(text: &str, names: &[String]) -> Result<Vec<f64>, Failure> {
             .ok_or_else(|| fault(format!("'{part}' does not have the form JOINT=POSITION")))?;
         let place = names.iter().position(|joint| joint == name.trim());
         let place = place.ok_or_else(|| {
-            fault(format!("there is no joint '{}'; the joints are {}", name.trim(), names.join(", ")))
+            fault(format!("there is no joint '{}'. The joints are {}", name.trim(), names.join(", ")))
         })?;
         let value: Option<f64> = value.trim().parse().ok().filter(|value: &f64| value.is_finite());
         let value = value.ok_or_else(|| fault(format!("'{part}' needs a number in rad or m after `=`")))?;

@@ -31,7 +31,7 @@ const RAISED: &str =
     "has no bodies whose rounded moments violate the triangle inequality. The smaller moments are raised at";
 
 const TRIANGLE: &str =
-    "has no bodies whose largest principal moment exceeds the sum of the others; MuJoCo rejects";
+    "has no bodies whose largest principal moment exceeds the sum of the others. MuJoCo rejects";
 
 pub(super) fn export(model: &Model, source: &str) -> (String, Losses) {
     let mut writer = Writer {

@@ -205,10 +205,10 @@ fn settings(rate: f64, delay: f64) -> Result<AdaptationSettings> {
     let is_whole = (delay * rate - periods).abs() < LARGEST_JITTER;
     if !is_whole || !(0.0..=MOST_DELAY as f64).contains(&periods) {
         return Err(IdentificationError::Setting {
-            name: "the time from an input until it acts (the negative of --delay)".into(),
-            value: delay,
+            name: "--delay".into(),
+            value: -delay,
             requirement: format!(
-                "it must be a multiple of the period, from 0 to {MOST_DELAY} times {:.6} s",
+                "its negative, the time until an input acts, must be 0 to {MOST_DELAY} whole periods of {:.6} s",
                 1.0 / rate
             ),
         });

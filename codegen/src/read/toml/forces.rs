@@ -254,7 +254,7 @@ fn warn_of_unused_mounting(reader: &mut Reader, table: &Table<'_>, coupling: Rot
     for item in mounting.filter(|_| coupling == RotorCoupling::Diagonal) {
         let message = format!("`{}` has no effect with `coupling = \"diagonal\"`", item.key);
         reader.report.warning(item.span, "unused-key", message);
-        reader.report.help("remove `coupling` to describe the rotor as a body; otherwise remove this key");
+        reader.report.help("remove `coupling` to describe the rotor as a body. Otherwise remove this key");
     }
 }
 

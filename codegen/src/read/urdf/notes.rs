@@ -27,7 +27,7 @@ pub(super) const AXIS_NORMALIZED: Remark =
     Remark::note("axis-normalized", "axes and quaternions were normalized");
 pub(super) const CONTINUOUS_LIMITS: Remark = Remark::note(
     "continuous-limits",
-    "continuous joints have no position limits; the given limits were ignored",
+    "continuous joints have no position limits. The given limits were ignored",
 );
 pub(super) const DUPLICATE_ELEMENT: Remark =
     Remark::warning("duplicate-element", "only the first of several elements of the same kind was used");

@@ -169,7 +169,7 @@ fn under_load(
         }
     }
     let message = format!(
-        "load-dependent friction did not settle within {PASSES} passes, so the intervals of its coefficients are too narrow"
+        "load-dependent friction did not converge within {PASSES} passes, so the intervals of its coefficients are too narrow"
     );
     found.findings.push(UNSETTLED.found(message));
     Ok(found)

@@ -108,7 +108,7 @@ pub(super) fn doubt(reduced: &Reduced, active: &[usize], findings: &mut Findings
     let condition = (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt();
     if condition > levels::DOUBTFUL_CONDITION.get() {
         let message = format!(
-            "the chosen terms are nearly collinear at the velocities of the data (condition number {})",
+            "the velocities of the data hardly distinguish the chosen terms (condition number {})",
             plain(condition, 3)
         );
         findings.add(

@@ -80,7 +80,7 @@ fn velocity(runs: &[Run], joint: usize) -> Option<String> {
     }
     let sign = if ratio < 0.0 { "the opposite sign of" } else { "a different scale from" };
     let unit = UNITS.iter().find(|(factor, _)| (size / factor - 1.0).abs() < 0.1);
-    let guess = unit.map_or(String::new(), |(_, name)| format!("; velocities in {name} would explain it"));
+    let guess = unit.map_or(String::new(), |(_, name)| format!(". Velocities in {name} would explain it"));
     Some(format!(
         "its column of velocities has {sign} the derivative of its positions. The derivative is {} times the column{guess}",
         plain(ratio, 4)
@@ -112,7 +112,7 @@ pub(super) fn unwrap_turns(run: &mut Run, robot: &dyn Robot, source: &str) -> Ve
         let (Some(first), Some(last)) = (jumps.first(), jumps.last()) else { continue };
         let rows = Some((run.rows[*first], run.rows[*last]));
         let message =
-            format!("its position jumps by a full turn {} times; the jumps are removed", jumps.len());
+            format!("its position jumps by a full turn {} times. The jumps are removed", jumps.len());
         findings.push(TURNS.found(message).joint(&names[joint]).log(source, rows));
     }
     findings

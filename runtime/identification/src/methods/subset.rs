@@ -124,7 +124,7 @@ pub(crate) fn seen_both_ways(
     let texts: Vec<&str> = out.iter().map(|&i| terms[i].as_str()).collect();
     let note = (!out.is_empty()).then(|| {
         format!(
-            "these terms are left out, because nine tenths of the motion are in one direction: {}",
+            "nine tenths of the motion are in one direction, so these terms are left out: {}",
             texts.join(", ")
         )
     });
@@ -156,7 +156,7 @@ impl SubsetValidation {
             "number of terms",
             p as f64,
             (1..=MOST_TERMS).contains(&p),
-            "the method tries all subsets of one to twelve terms; use the LASSO for larger libraries",
+            "the method tries all subsets of one to twelve terms. Use the LASSO for more terms",
         )?;
         if target >= folds[0].targets() {
             require_length("targets", target + 1, folds[0].targets())?;

@@ -271,11 +271,11 @@ fn delay_findings(joints: &[JointPreparation], is_significant: impl Fn(usize) ->
         let of = if names.len() == joints.len() { "all joints".to_owned() } else { names.join(", ") };
         let found = match names.as_slice() {
             [name] => {
-                DELAY.found(format!("its effort comes {by} its position; this delay is removed")).joint(*name)
+                DELAY.found(format!("its effort comes {by} its position. This delay is removed")).joint(*name)
             }
-            _ => DELAY.found(format!("the efforts of {of} come {by} the positions; this delay is removed")),
+            _ => DELAY.found(format!("the efforts of {of} come {by} the positions. This delay is removed")),
         };
-        let remedy = format!("`--delay {seconds}` sets this delay; `--delay 0` keeps the efforts unshifted");
+        let remedy = format!("`--delay {seconds}` sets this delay. `--delay 0` keeps the efforts unshifted");
         found.with("delay", delay, "s").help(remedy)
     };
     groups.into_iter().map(finding).collect()

@@ -125,7 +125,7 @@ impl Finder<'_> {
 fn remedy(kind: Kind) -> &'static str {
     match kind {
         Kind::Attitude => {
-            "--columns 'xyzw=a|b|c|d' (or 'wxyz=…' if w comes first; numbers such as `5..8` are also possible)"
+            "--columns 'xyzw=a|b|c|d', or 'wxyz=…' if w comes first. Numbers such as `5..8` are also possible"
         }
         _ => "--columns 'place=a|b|c' (numbers such as `2..4` are also possible)",
     }

@@ -367,7 +367,7 @@ fn turns_are_unwrapped() {
     assert_eq!(free.iter().map(|f| f.0).collect::<Vec<_>>(), ["turns"]);
     assert!(
         free[0].1.contains(
-            "row 210, joint joint_1: its position jumps by a full turn 1 times; the jumps are removed"
+            "row 210, joint joint_1: its position jumps by a full turn 1 times. The jumps are removed"
         ),
         "{free:?}"
     );

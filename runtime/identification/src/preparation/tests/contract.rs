@@ -164,13 +164,13 @@ fn a_delay_that_joints_share_is_said_once() {
             .findings
             .iter()
             .map(Finding::sentence)
-            .filter(|note| note.contains("this delay is removed"))
+            .filter(|note| note.contains("This delay is removed"))
             .collect()
     };
     report.refine(&[[18.3e-3, 1e-3]; 3]);
     assert_eq!(
         late(&report),
-        ["the efforts of all joints come 18.3 ms after the positions; this delay is removed"]
+        ["the efforts of all joints come 18.3 ms after the positions. This delay is removed"]
     );
     report.refine(&[[-20.3e-3, 1e-4], [1e-3, 1e-4], [-20.3e-3, 1e-4]]);
     let notes = late(&report);
