@@ -348,7 +348,7 @@ fn a_run_that_alone_is_in_another_unit_is_named() {
     let name = &recording.runs[1].name;
     assert!(found.message.contains(&format!("rad, only in run {name}, but the described limits")), "{found}");
     assert!(
-        found.remedy.as_ref().is_some_and(|help| help.contains("convert this log to the units")),
+        found.remedy.as_ref().is_some_and(|help| help.contains("Convert this log to the units")),
         "{found}"
     );
 }
