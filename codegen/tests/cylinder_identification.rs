@@ -211,7 +211,8 @@ fn a_plan_keeps_the_limits_of_cylinders() {
     assert!(succeeded, "{said}");
     let warning = "`bucket_cylinder` has a dead centre within the limits of joint `bucket`, at 1.63 rad";
     assert!(said.contains(warning), "{said}");
-    let words = "bucket_cylinder has a dead centre within the limits of joint bucket, so the plan moves this joint only from -0.27 to ";
+    let words = "bucket_cylinder has a dead centre within the limits of joint bucket. Therefore the plan moves this joint only \
+                 from -0.27 to ";
     assert!(said.contains(words), "{said}");
     let found: serde_json::Value = serde_json::from_str(&said[said.find("{\n").unwrap()..]).unwrap();
     let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; 4];

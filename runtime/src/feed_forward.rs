@@ -58,7 +58,7 @@ pub enum FeedForwardError {
         time: f64,
     },
     /// The sampling period is not positive and finite.
-    #[error("the period is {0} s; it must be positive and finite")]
+    #[error("the period is {0} s, but must be positive and finite")]
     Period(f64),
     /// The trajectory is infinitely long, or has too many periods.
     #[error("a trajectory of {duration} s has more than {MAX_SAMPLES} periods of {period} s")]
@@ -69,7 +69,7 @@ pub enum FeedForwardError {
         period: f64,
     },
     /// The tolerance is NaN.
-    #[error("the tolerance of the residual is {0}; it must be a number")]
+    #[error("the tolerance of the residual is {0}, but must be a number")]
     Tolerance(f64),
 }
 

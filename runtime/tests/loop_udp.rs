@@ -424,7 +424,7 @@ fn options_of_a_server_are_checked() {
     };
     for period in [f64::NAN, 0.0, -0.02, 5e-324, 1e-7, 61.0, 1e300, f64::INFINITY] {
         let message = refused(ServerOptions { period, ..ServerOptions::default() });
-        assert_eq!(message, format!("server option period is {period}; it must be 1e-6 to 60 s"));
+        assert_eq!(message, format!("server option period is {period}, but must be 1e-6 to 60 s"));
     }
     for loss in [f64::NAN, -0.1, 1.1] {
         let message = refused(ServerOptions { loss, ..ServerOptions::default() });

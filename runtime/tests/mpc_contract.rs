@@ -48,7 +48,7 @@ fn senseless_options_are_refused_by_name() {
         change(&mut options);
         Ltv::new(PowerCube, motion(), options).unwrap_err().to_string()
     };
-    assert_eq!(refuse(|o| o.period = 0.0), "period is 0; it must be positive and finite (s)");
+    assert_eq!(refuse(|o| o.period = 0.0), "period is 0, but must be positive and finite (s)");
     assert_eq!(refuse(|o| o.horizon = 200), "the horizon is 200 stages, but must be 1 to 100");
     assert!(refuse(|o| o.position_weight[1] = -1.0).contains("position_weight[1] is -1"));
     assert!(refuse(|o| o.input_weight = [0.0; 2]).contains("input_weight"));

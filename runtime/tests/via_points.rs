@@ -205,7 +205,10 @@ fn what_cannot_be_is_named() {
         message(&[[0.0; 2], [1.2, 0.2]], &limits),
         "point 2 has joint 1 at 1.2 rad (or m), outside its limits -1 to 1"
     );
-    assert_eq!(message(&[[0.0; 2], [0.1, f64::NAN]], &limits), "point 2, joint 2, is NaN; it must be finite");
+    assert_eq!(
+        message(&[[0.0; 2], [0.1, f64::NAN]], &limits),
+        "point 2, joint 2, is NaN, but must be finite"
+    );
     let unlimited = MotionLimits::default();
     assert_eq!(
         message(&[[0.0; 2], [0.0, 0.2]], &unlimited),

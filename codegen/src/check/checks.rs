@@ -65,7 +65,7 @@ fn amounts(limits: &LimitsDescription, name: &Name, report: &mut Report) {
     for (what, limit) in limits.amounts() {
         if let Some(limit) = limit.as_ref().filter(|limit| limit.value <= 0.0) {
             let message = format!(
-                "the {what} limit of joint `{}` is {}; it must be positive",
+                "the {what} limit of joint `{}` is {}, but must be positive",
                 name.value,
                 as_written(limit.value)
             );

@@ -111,7 +111,7 @@ fn refuse_second_floating(robot: &RobotDescription, report: &mut Report) {
     let first = floating.next();
     for (second, first) in floating.filter_map(|second| Some((second, first?))) {
         let message = format!(
-            "joint `{}` is a second floating joint; the first is `{}`",
+            "joint `{}` is a second floating joint. The first is `{}`",
             second.joint.value, first.joint.value
         );
         report.error(second.joint.span, "second-floating-joint", message);

@@ -80,7 +80,7 @@ impl Losses {
         notes.extend(difference.map(|difference| {
             let causes = match causes.is_empty() {
                 true if is_refused => "other programs reject it as well".to_owned(),
-                true => "the cause is unknown; please report it".to_owned(),
+                true => "the cause is unknown. Please report it".to_owned(),
                 false => causes.iter().map(says).collect::<Vec<_>>().join("; "),
             };
             Diagnostic::warning(

@@ -22,8 +22,8 @@ pub enum IdentificationError {
     },
     /// A value that must be a number is NaN or infinite.
     #[error(
-        "{what} is {value} at row {row} (counted from 0), and {count} of {samples} values are not finite. Remove these rows or \
-         repair the log"
+        "{what} is not finite ({value}) at row {row} (counted from 0), and {count} of {samples} values are not finite. Remove \
+         these rows or repair the log"
     )]
     NotFinite {
         /// Name of the column or channel.
@@ -38,7 +38,7 @@ pub enum IdentificationError {
         samples: usize,
     },
     /// Finite samples are so large that their squares overflow.
-    #[error("{what} has values up to {}, whose squares overflow: convert it to SI units", plain(*.largest, 3))]
+    #[error("{what} has values up to {}, whose squares overflow. Convert it to SI units", plain(*.largest, 3))]
     Overflow {
         /// Name of the column or channel.
         what: String,
@@ -96,7 +96,7 @@ pub enum IdentificationError {
     },
     /// A quantity has the same value in all samples, although the identification needs its changes.
     #[error(
-        "{what} has the same value {value} in all {samples} samples, so nothing can be identified from it. Record data in which \
+        "{what} is constant ({value}) in all {samples} samples, so nothing can be identified from it. Record data in which \
          it changes"
     )]
     Constant {
@@ -137,7 +137,7 @@ pub enum IdentificationError {
         message: String,
     },
     /// The log does not have a channel of this name.
-    #[error("there is no channel `{name}`; the channels are {}", .known.join(", "))]
+    #[error("there is no channel `{name}`. The channels are {}", .known.join(", "))]
     UnknownChannel {
         /// Name of the missing channel.
         name: String,

@@ -12,7 +12,7 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MpcError {
     /// An option is out of its range.
-    #[error("{option}{} is {value}; it must be {range}", .index.map(|i| format!("[{i}]")).unwrap_or_default())]
+    #[error("{option}{} is {value}, but must be {range}", .index.map(|i| format!("[{i}]")).unwrap_or_default())]
     Option {
         /// Name of the option.
         option: &'static str,

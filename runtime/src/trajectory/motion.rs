@@ -175,7 +175,7 @@ as_what_it_points_to!(&T, Box<T>);
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum TrajectoryError {
     /// A number is NaN or infinite.
-    #[error("{what} is {value}; it must be finite")]
+    #[error("{what} is {value}, but must be finite")]
     NotFinite {
         /// Name of the quantity.
         what: String,
@@ -183,7 +183,7 @@ pub enum TrajectoryError {
         value: f64,
     },
     /// A duration, speed or other quantity is not positive.
-    #[error("{what} is {value}; it must be positive")]
+    #[error("{what} is {value}, but must be positive")]
     NotPositive {
         /// Name of the quantity.
         what: String,
@@ -201,7 +201,7 @@ pub enum TrajectoryError {
         given: usize,
     },
     /// A number is out of range.
-    #[error("{what} is {value}; it must be {range}")]
+    #[error("{what} is {value}, but must be {range}")]
     OutOfRange {
         /// Name of the quantity.
         what: &'static str,
@@ -319,7 +319,7 @@ pub(super) fn require_representable(what: &'static str, values: &[f64]) -> Resul
         Some(value) => Err(TrajectoryError::OutOfRange {
             what,
             value: *value,
-            range: "finite; choose a longer duration or a shorter distance",
+            range: "finite. Choose a longer duration or a shorter distance",
         }),
     }
 }

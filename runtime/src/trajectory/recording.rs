@@ -101,7 +101,7 @@ impl<const N: usize> Recording<N> {
             let found = head.iter().position(|h| h == name);
             found.ok_or_else(|| {
                 let names: Vec<&str> = head.iter().collect();
-                fault(0, format!("column {name} is missing; the file has the columns {}", names.join(", ")))
+                fault(0, format!("column {name} is missing. The file has the columns {}", names.join(", ")))
             })
         };
         let time = find(columns.time)?;

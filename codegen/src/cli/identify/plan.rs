@@ -123,7 +123,7 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
     let [inertial, friction] = plan.parameters;
     let mut text = format!(
         "wrote {}: {} s from rest to rest, for {inertial} base parameters and {friction} friction parameters\n\
-         condition number of their regressor with columns of unit length: {:.0}\n",
+         condition number of their equations, with columns of unit length: {:.0}\n",
         path.display(),
         plan.motion.period,
         plan.condition,

@@ -262,7 +262,7 @@ impl<'a> Described<'a> {
         if let Some((reason, _)) = cases.iter().find(|(_, holds)| *holds) {
             return Err(fault(
                 "the robot",
-                format!("{reason}, so that friction cannot be learned online: {HELP}"),
+                format!("{reason}, so friction cannot be learned online: {HELP}"),
             ));
         }
         if joints.max(inputs) > MOST {

@@ -190,7 +190,7 @@ fn pass(
     let (first_fit, more) = (None, None);
     let task = Task { robot, runs, settings, layout, prior: &prior, gravity, pieces, loads, first_fit, more };
     let samples: usize = runs.iter().map(|r| r.times.len()).sum();
-    progress(&format!("The regressor is evaluated at {samples} samples of {} runs.", runs.len()));
+    progress(&format!("The equations of motion are evaluated at {samples} samples of {} runs.", runs.len()));
     let (task, first) = task.with_its_compensation(progress)?;
     let first_fit = task.first_fit(&first)?;
     let (task, first) = match &first_fit {

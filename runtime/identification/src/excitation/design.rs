@@ -179,7 +179,7 @@ impl<'a> Design<'a> {
         }
         match self.information(&instants).cholesky() {
             Some(factor) => -2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>(),
-            None => self.refusals.refuse("the motion does not excite all parameters"),
+            None => self.refusals.refuse("the motion does not determine all parameters"),
         }
     }
 

@@ -231,7 +231,7 @@ fn other_law(fit: &StribeckFit, data: &FrictionData) -> Option<Finding> {
                      {said_coulomb} {torque}")
         }),
         (speed > fastest).then(|| {
-            format!("the Stribeck speed v_s = {said_speed} {velocity} is beyond the fastest motion of {said_fastest} {velocity}")
+            format!("the Stribeck speed v_s = {said_speed} {velocity} is above the fastest motion of {said_fastest} {velocity}")
         }),
         (slow < levels::FEWEST_SLOW.get()).then(|| {
             format!("only {slow} samples are slower than the Stribeck speed v_s = {said_speed} {velocity}")

@@ -206,7 +206,7 @@ fn refuse_binary(bytes: &[u8]) -> std::result::Result<(), String> {
         return Err("the text is in UTF-16: save it as UTF-8".into());
     }
     if bytes.trim_ascii().is_empty() {
-        return Err("the file is empty, so that nothing can be identified".into());
+        return Err("the file is empty, so nothing can be identified".into());
     }
     Ok(())
 }

@@ -74,7 +74,7 @@ impl ColumnOptions {
             let Some((kind, key)) = Kind::of_key(&name) else {
                 let known: Vec<&str> = Kind::keys().chain([HOLD]).collect();
                 let message =
-                    format!("there is no quantity `{name}`; the quantities are {}", known.join(", "));
+                    format!("there is no quantity `{name}`. The quantities are {}", known.join(", "));
                 return Err(fault(part, message));
             };
             if patterns.iter().any(|p| p.kind == kind || p.kind.is_effort() && kind.is_effort()) {
@@ -211,7 +211,7 @@ impl Pattern {
         if let Some((text, unit)) = split.filter(|(_, unit)| !unit.contains('{')) {
             let Some(found) = units::find(unit) else {
                 let message =
-                    format!("the unit `{unit}` is unknown; the known units are {}", units::known_units());
+                    format!("the unit `{unit}` is unknown. The known units are {}", units::known_units());
                 return Err(fault(&self.text, message));
             };
             if let Some(columns) = columns(text.trim_end(), headers, width, targets)? {
