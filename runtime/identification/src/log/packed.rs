@@ -112,7 +112,7 @@ mod tests {
             let skipped = if one[0] == 0x1f { Vec::new() } else { b"\x52\x2a\x4d\x18\x03\0\0\0abc".to_vec() };
             let both = [one.as_slice(), &skipped, &two].concat();
             assert_eq!(*unpacked(&both, LARGEST).unwrap(), *[first.as_bytes(), second.as_bytes()].concat());
-            assert!(unpacked(&both, 20_000).unwrap_err().contains("the largest size of a log (20000 bytes)"));
+            assert!(unpacked(&both, 20_000).unwrap_err().contains("the largest size of a log, 20000 bytes"));
             for cut in [1, 4, 8, two.len() / 2, two.len() - 2] {
                 assert!(unpacked(&both[..both.len() - cut], LARGEST).is_err(), "{cut} of {}", both.len());
             }

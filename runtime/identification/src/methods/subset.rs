@@ -124,7 +124,7 @@ pub(crate) fn seen_both_ways(
     let texts: Vec<&str> = out.iter().map(|&i| terms[i].as_str()).collect();
     let note = (!out.is_empty()).then(|| {
         format!(
-            "nine tenths of the motion are in one direction, so these terms are left out: {}",
+            "these terms are left out, because nine tenths of the motion are in one direction: {}",
             texts.join(", ")
         )
     });
