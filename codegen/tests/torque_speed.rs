@@ -126,11 +126,11 @@ fn exported_files_say_that_they_are_left_out() {
     let (_kept, path) = folder(ROBOT);
     let said = flat(&run(&path, &["export", "robot.toml", "--mjcf", "--output", "robot.xml"]));
     assert!(
-        said.contains("has no torque–speed lines of motors; they are omitted at: `shoulder`, `both`"),
+        said.contains("has no torque–speed lines of motors. They are omitted at: `shoulder`, `both`"),
         "{said}"
     );
     let said = flat(&run(&path, &["export", "robot.toml", "--urdf", "--output", "robot.urdf"]));
-    assert!(said.contains("has no torque–speed lines of motors; they are omitted at: `shoulder`"), "{said}");
+    assert!(said.contains("has no torque–speed lines of motors. They are omitted at: `shoulder`"), "{said}");
 }
 
 /// Plans a motion, and returns the largest |u + C ẏ| of each motor along it, and its largest |u|. B is that of `ROBOT`.

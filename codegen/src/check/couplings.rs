@@ -217,7 +217,7 @@ impl Resolver<'_, '_> {
             let message =
                 format!("{what} `{}` does not move with {}: {ways}", name.value, list(names.into_iter()));
             self.report.note(Some(name.span), "follows-cancel", message);
-            self.report.help(format!("{ADDED_UP}; correct a sign if this is not intended"));
+            self.report.help(format!("{ADDED_UP}. Correct a sign if this is not intended"));
         }
         (!row.terms.is_empty()).then_some(row)
     }

@@ -5,7 +5,7 @@ use super::format::Format;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
 /// Text about lost torque–speed lines of motors.
-pub(super) const LINE: &str = "has no torque–speed lines of motors; they are omitted at";
+pub(super) const LINE: &str = "has no torque–speed lines of motors. They are omitted at";
 
 /// Effect of lost parts on the exported robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -17,7 +17,7 @@ const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 const ROTOR: &str =
     "has no rotors and gears. M lacks the rotor inertia, and inputs act at the joints, for the drives";
-const IDEAL: &str = "cannot mark a joint without a drive; most readers assume a drive at";
+const IDEAL: &str = "cannot mark a joint without a drive. Most readers assume a drive at";
 const OTHER_FRICTION: &str =
     "has only viscous and dry friction. Other laws (Stribeck, tanh, position) are omitted at";
 const SPHERICAL: &str =
@@ -199,8 +199,8 @@ impl Writer<'_> {
         let limits = &joint.limits;
         for (is_lost, what) in [
             (friction.has_others, OTHER_FRICTION),
-            (!joint.load_friction.is_empty(), "has no load-dependent friction; it is omitted at"),
-            (!joint.springs.is_empty(), "has no springs; they are omitted at"),
+            (!joint.load_friction.is_empty(), "has no load-dependent friction. It is omitted at"),
+            (!joint.springs.is_empty(), "has no springs. They are omitted at"),
             (
                 limits.effort.is_some() && limits.peak_effort.is_some(),
                 "has one force limit per joint. The nominal limit is omitted and the peak limit written at",
@@ -220,7 +220,7 @@ impl Writer<'_> {
             );
         }
         if part.limits != Limits::default() {
-            self.losses.add("has no limits at joints with a quaternion; they are omitted at", &part.name);
+            self.losses.add("has no limits at joints with a quaternion. They are omitted at", &part.name);
         }
     }
 
@@ -262,10 +262,10 @@ impl Writer<'_> {
         let model = self.model;
         let losses = &mut self.losses;
         if self.values.numbers(&model.gravity) != GRAVITY {
-            losses.add("has no gravity; readers assume (0, 0, -9.81) instead of the gravity of", &model.name);
+            losses.add("has no gravity. Readers assume (0, 0, -9.81) instead of the gravity of", &model.name);
         }
         for parameter in &model.parameters {
-            losses.add("has no free parameters; the described values are written for", &parameter.name);
+            losses.add("has no free parameters. The described values are written for", &parameter.name);
         }
         for drive in &model.drives {
             let has_gear = self.values.number(&drive.gear_ratio) != 1.0;
@@ -273,7 +273,7 @@ impl Writer<'_> {
                 losses.of_robot(ROTOR, &drive.name);
             }
             if drive.acts_on.len() > 1 {
-                losses.add("has no drives that act on several joints; they are omitted", &drive.name);
+                losses.add("has no drives that act on several joints. They are omitted", &drive.name);
             } else if drive.line.is_some() {
                 losses.add(LINE, &drive.name);
             }
@@ -285,13 +285,13 @@ impl Writer<'_> {
             }
         }
         for force in &model.point_forces {
-            losses.add("has no forces between frames; they are omitted", &force.name);
+            losses.add("has no forces between frames. They are omitted", &force.name);
         }
         for input in &model.force_inputs {
-            losses.add("has no inputs at frames; they are omitted", &input.name);
+            losses.add("has no inputs at frames. They are omitted", &input.name);
         }
         for wrench in &model.wrenches {
-            losses.add("has no wrenches at frames; they are omitted", &wrench.name);
+            losses.add("has no wrenches at frames. They are omitted", &wrench.name);
         }
     }
 }

@@ -72,7 +72,7 @@ pub enum ControllerFault {
     #[error("the measurement is invalid: {0}")]
     Attitude(AttitudeError),
     /// Too many periods passed since the last step, so the controller cannot predict the state.
-    #[error("{periods} periods passed since the last step, too many for a prediction")]
+    #[error("the state cannot be predicted, because {periods} periods passed since the last step")]
     Stalled {
         /// Number of periods since the last step.
         periods: u32,

@@ -69,7 +69,7 @@ pub enum StopReason {
     #[error("{0}")]
     Limit(LimitFault),
     /// The program on the robot's side has restarted, or another controller is connected.
-    #[error("the robot's side restarted during the motion, or another controller is connected")]
+    #[error("the program at the robot restarted during the motion, or another controller is connected")]
     Restarted,
     /// The brakes were engaged, but not by this loop.
     #[error("the robot engaged its brakes by itself")]

@@ -55,7 +55,7 @@ impl<const N: usize, const NY: usize> Reading<N, NY> {
 pub enum TransportError {
     /// The program on the robot's side has restarted since the last reading, or another controller has
     /// connected to it. Brakes, positions and inputs may have changed.
-    #[error("the robot's side restarted, or another controller is connected")]
+    #[error("the program at the robot restarted, or another controller is connected")]
     Restarted,
     /// The program on the robot's side does not answer.
     #[error(

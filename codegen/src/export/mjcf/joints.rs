@@ -10,12 +10,12 @@ use crate::model::{FollowedCoordinate, Joint, JointKind, Motion, QuaternionJoint
 /// friction.
 const OTHER_FRICTION: &str =
     "has only viscous and dry friction. Other laws (Stribeck, tanh, position) are omitted at";
-const OTHER_SPRINGS: &str = "has only linear springs and dampers; other laws are omitted at";
-const LOAD: &str = "has no load-dependent friction; it is omitted at";
-pub(super) const SPEED: &str = "has no limits of speed, acceleration or jerk; they are omitted at";
+const OTHER_SPRINGS: &str = "has only linear springs and dampers. Other laws are omitted at";
+const LOAD: &str = "has no load-dependent friction. It is omitted at";
+pub(super) const SPEED: &str = "has no limits of speed, acceleration or jerk. They are omitted at";
 const EFFORT: &str =
     "has one force limit per joint. The nominal limit is omitted and the peak limit written at";
-const RANGE: &str = "has no range with a single position; it is omitted at";
+const RANGE: &str = "has no range with a single position. It is omitted at";
 const QUATERNION_FRICTION: &str =
     "has one damping value per joint with a quaternion. Different friction of its velocities is omitted at";
 

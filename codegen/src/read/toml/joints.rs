@@ -117,7 +117,7 @@ fn pitch(reader: &mut Reader, table: &Table<'_>, name: &Name) -> f64 {
     match reader.number(item) {
         Some(pitch) if pitch.value == 0.0 => {
             reader.report.error(item.span, "pitch", format!("the pitch of joint `{}` is 0", name.value));
-            reader.report.help(format!("{HELP}; use type \"revolute\" for a joint that does not slide"));
+            reader.report.help(format!("{HELP}. Use type \"revolute\" for a joint that does not slide"));
             1.0
         }
         Some(pitch) => pitch.value,

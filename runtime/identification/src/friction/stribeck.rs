@@ -254,7 +254,7 @@ fn refuse_driving(fit: &StribeckFit, findings: &mut Findings) {
     let speeds = speeds.chain(slower(fastest)).chain(beyond().map(|factor| factor * fastest));
     let driving = speeds.filter(|v| fit.torque(*v) < -1e-9 * fit.torque(fastest).abs()).fold(0.0, f64::max);
     if driving > 0.0 {
-        let remedy = "use a law with chosen terms, which can be constrained (--friction viscous,coulomb)";
+        let remedy = "name the terms of the law, as in --friction viscous,coulomb. Such a law is fitted so that it always brakes";
         let (speed, unit) = (plain(driving, 4), findings.data.velocity_unit);
         let message = format!("the Stribeck law drives the joint at speeds up to {speed} {unit}");
         findings.add(DRIVES.found(message).help(remedy));

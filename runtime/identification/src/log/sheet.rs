@@ -191,7 +191,7 @@ const BINARY: [(&[u8], &str); 6] = [
     ),
     (
         b"#ROSBAG V2",
-        "a ROS 1 bag: export its JointState topic as CSV (PlotJuggler, or `rostopic echo -b FILE -p /joint_states`)",
+        "a ROS 1 bag: export its JointState topic as CSV, with PlotJuggler or `rostopic echo -b FILE -p /joint_states`",
     ),
     (b"MATLAB 5.0", "a MATLAB file: write its table as CSV (`writetable`)"),
     (b"\x89HDF", "an HDF5 or MATLAB 7.3 file: write its table as CSV"),

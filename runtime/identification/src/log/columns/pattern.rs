@@ -233,7 +233,7 @@ impl Pattern {
         let wanted = cut(&self.text);
         let likeness = |name: &&String| strsim::jaro_winkler(&cut(name), &wanted);
         let nearest = names.iter().take(1000).rev().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
-        let nearest = nearest.map_or(String::new(), |n| format!("; the most similar name is `{n}`"));
+        let nearest = nearest.map_or(String::new(), |n| format!(". The most similar name is `{n}`"));
         fault(&self.text, format!("no column has this name{nearest}. The columns are {}", shortened(&names)))
     }
 }

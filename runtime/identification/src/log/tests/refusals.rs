@@ -27,9 +27,9 @@ fn cases() -> Vec<(String, &'static str, &'static str)> {
         (under("time_one,q1,q2,u1,time_two"), "", "both `time_one` and `time_two` (columns 1 and 5) could be the time"),
         (under("t,left_q1,left_q2,right_q1,right_q2"), "torque=4|5", "both `left_q{}` and `right_q{}` could be the positions: use \
                                                                       --columns 'position=left_q{}' or 'position=right_q{}'"),
-        (under("t,joint1_position,joint2_position,u1,u2"), "position=joint{}_pos", "no column has this name; the most \
-                                                                                    similar name is `joint1_position`. The \
-                                                                                    columns are t, joint1_position"),
+        (under("t,joint1_position,joint2_position,u1,u2"), "position=joint{}_pos", "no column has this name. The most similar \
+                                                                                    name is `joint1_position`. The columns are t, \
+                                                                                    joint1_position"),
         (under("t,q1,q2,u1,u2"), "position=q{}[grad]", "the unit `grad` is unknown. The known units are s, ms"),
         (under("t,q1 [Grad],q2 [Grad],u1,u2"), "", "`q1 [Grad]` is in `Grad`, which is a degree in German, but a gon"),
         (under("t,q1_grad,q2_grad,u1,u2"), "", "use --columns 'position=…[deg]' or 'position=…[gon]'"),
