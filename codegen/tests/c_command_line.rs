@@ -309,7 +309,7 @@ fn what_c_does_not_have_is_refused() {
     for (line, expected, reason) in [
         ("--self-test", 1, "C modules have no tests at their end"),
         ("--output -", 2, "a C module consists of two files"),
-        ("--output pole.rs", 2, "a C module needs a folder or a file name that ends with .c"),
+        ("--output pole.rs", 2, "neither a folder nor a file name that ends with .c"),
         ("--output a\"b.c", 2, "is not usable in C"),
     ] {
         let (code, text) = gelenk(folder, &format!("generate cart_pole.toml --language c {line}"));

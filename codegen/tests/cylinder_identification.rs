@@ -211,7 +211,8 @@ fn a_plan_keeps_the_limits_of_cylinders() {
     assert!(succeeded, "{said}");
     let warning = "`bucket_cylinder` has a dead centre within the limits of joint `bucket`, at 1.63 rad";
     assert!(said.contains(warning), "{said}");
-    let words = "bucket_cylinder has a dead centre within the limits of joint bucket, so the plan moves this joint only from -0.27 to ";
+    let words = "bucket_cylinder has a dead centre within the limits of joint bucket. Therefore the plan moves this joint only \
+                 from -0.27 to ";
     assert!(said.contains(words), "{said}");
     let found: serde_json::Value = serde_json::from_str(&said[said.find("{\n").unwrap()..]).unwrap();
     let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; 4];
@@ -238,7 +239,8 @@ fn a_plan_keeps_the_limits_of_cylinders() {
     let weak = folder.path().join("weak.toml");
     fs::write(&weak, text).unwrap();
     let (_, succeeded, said) = plan(&weak, &[]);
-    let words = "holding the robot still at the middle of its position limits already needs more effort than the plan may use, at input boom_cylinder:";
+    let words = "holding the robot still at the middle of its position limits needs more effort than the plan may use, at input \
+                 boom_cylinder.";
     assert!(!succeeded && said.contains(words), "{said}");
 }
 
@@ -260,7 +262,8 @@ fn a_joint_that_no_cylinder_moves_is_named_with_the_remedy() {
     let file = folder.path().join("loose.toml");
     fs::write(&file, text.replace("input = \"bucket_cylinder\"\nlimits = [-35e3, 22e3]\n", "")).unwrap();
     let (_, succeeded, said) = plan(&file, &[]);
-    let words = "joint bucket: it has no drive, and no input at a frame moves it, so no motion can be planned; describe the force that moves it";
+    let words = "joint bucket: no motion can be planned, because neither a drive nor an input at a frame moves this joint. \
+                 Describe the force that moves it";
     assert!(!succeeded && said.contains(words), "{said}");
 }
 
@@ -323,7 +326,7 @@ fn motors_beside_a_cylinder_keep_their_lines() {
     };
     fs::write(&file, line(1e-3)).unwrap();
     let (_, succeeded, said) = plan(&file, &[]);
-    let words = "holding the robot still at the middle of its position limits already needs more effort than the plan may use, at motor left:";
+    let words = "holding the robot still at the middle of its position limits needs more effort than the plan may use, at motor left.";
     assert!(!succeeded && said.contains(words), "{said}");
     fs::write(&file, line(0.02)).unwrap();
     let (_, succeeded, said) = plan(&file, &["--format", "json"]);

@@ -129,7 +129,9 @@ fn a_module_has_the_ratios_to_driven_joints() {
     assert!(module.contains("DEPENDENT_JOINT_RATIOS: [[f64; N]; 1] = [[1.0]];"), "{module}");
     assert!(module.contains("DEPENDENT_DRIVEN_RATIOS: [[f64; 1]; 1] = [[-2.0]];"), "{module}");
     assert!(
-        flat(&said).contains("predictive controllers do not keep limits that depend on driven joints"),
+        flat(&said).contains(
+            "Predictive controllers report that they do not enforce limits that depend on driven joints"
+        ),
         "{said}"
     );
     let (_, module) = generated(&text);
@@ -142,7 +144,7 @@ fn what_keeps_limits_is_said() {
     let limits = "limits = { position = [-0.2, 0.8] }";
     let (said, _) = generated(&robot(&format!("follows = {{ crank = 1, arm = -1 }}\n{limits}")));
     assert!(
-        flat(&said).contains("predictive controllers keep them with rows from `MpcRow::of_limits`"),
+        flat(&said).contains("Predictive controllers keep them with rows from `MpcRow::of_limits`"),
         "{said}"
     );
     let (said, _) = generated(&robot(&format!("follows = {{ crank = 1 }}\n{limits}")));

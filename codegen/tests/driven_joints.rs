@@ -185,7 +185,7 @@ fn a_log_without_the_motion_of_the_rail_is_refused() {
         (&[][..], "the log has no column for the position of `rail`"),
         (
             &["--reduce", "--output", "log.moments"][..],
-            "logs are not reduced to moments if the motion of a joint is prescribed",
+            "logs cannot be reduced to a file of moments if the motion of a joint is prescribed",
         ),
     ] {
         let output = gelenk(folder.path(), &[&["identify", &description, "log.csv"], more].concat());

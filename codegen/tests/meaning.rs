@@ -273,7 +273,7 @@ fn a_joint_that_undoes_the_motion_below_it_is_noted() {
     let (_, notes) = load(&WRIST.replace("parent = \"roll\"\n", ""));
     let notes = notes.to_string();
     assert!(
-        notes.contains("note[follower-stands-still]: joint `other_finger` is carried by `finger`"),
+        notes.contains("note[follower-stands-still]: joint `other_finger` cancels the motion of `finger`"),
         "{notes}"
     );
     // A parallelogram keeps its platform level: an arm is between the axes.
@@ -324,8 +324,8 @@ fn parts_of_joints_are_told_one_by_one() {
 
 #[test]
 fn a_helical_joint_is_an_angle() {
-    let text = "[[joints]]\nname = \"lift\"\ntype = \"helical\"\npitch = \"-0.02/(2*pi)\"\nlimits = { position = [-50, 50] }\ndrive = \"ideal\"\n\
-                [[bodies]]\nlink = \"lift\"\nmass = 1\n";
+    let text = "[[joints]]\nname = \"lift\"\ntype = \"helical\"\npitch = \"-0.02/(2*pi)\"\nlimits = { position = [-50, 50] \
+                }\ndrive = \"ideal\"\n[[bodies]]\nlink = \"lift\"\nmass = 1\n";
     let (model, notes) = load(text);
     assert_eq!(joint(&model, 0).kind, JointKind::Helical { pitch: -0.02 / std::f64::consts::TAU });
     assert_eq!(

@@ -35,9 +35,8 @@ pub enum FeedForwardError {
     InputMatrix,
     /// The trajectory requires forces that no input can produce.
     #[error(
-        "the trajectory is not feasible: at {time} s joint {} requires a force of {residual} N m (or N) that no \
-         input can produce, above the tolerance of {tolerance}; plan a motion that satisfies the joint's \
-         equation of motion",
+        "the trajectory is not feasible. At {time} s, joint {} requires a force of {residual} N m (or N) that no input can \
+         produce (tolerance: {tolerance}). Plan a motion that satisfies the joint's equation of motion",
         Named(.name)
     )]
     Infeasible {
@@ -59,7 +58,7 @@ pub enum FeedForwardError {
         time: f64,
     },
     /// The sampling period is not positive and finite.
-    #[error("the period is {0} s; it must be positive and finite")]
+    #[error("the period is {0} s, but must be positive and finite")]
     Period(f64),
     /// The trajectory is infinitely long, or has too many periods.
     #[error("a trajectory of {duration} s has more than {MAX_SAMPLES} periods of {period} s")]
@@ -70,7 +69,7 @@ pub enum FeedForwardError {
         period: f64,
     },
     /// The tolerance is NaN.
-    #[error("the tolerance of the residual is {0}; it must be a number")]
+    #[error("the tolerance of the residual is {0}, but must be a number")]
     Tolerance(f64),
 }
 

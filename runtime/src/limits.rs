@@ -70,7 +70,7 @@ impl fmt::Display for Violation {
         };
         write!(
             f,
-            "{what} of {} is outside its limit {:.6} from {:.3} s to {:.3} s; the worst value is {:.6} at {:.3} s",
+            "{what} of {} is outside its limit {:.6} from {:.3} s to {:.3} s. The worst value is {:.6} at {:.3} s",
             Named(self.name),
             self.limit,
             self.from,

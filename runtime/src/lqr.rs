@@ -93,15 +93,15 @@ pub enum LqrError {
     /// mode of the system on or outside the unit circle does not appear in the cost. The number is the
     /// relative residual after the last iteration.
     #[error(
-        "the Riccati equation has no stabilizing solution (residual {0:.1e}): check that every unstable \
-         mode is controllable and appears in the state weight"
+        "the Riccati equation has no stabilizing solution (residual {0:.1e}). Check that every unstable mode is controllable and \
+         has a state weight"
     )]
     NotStabilizable(f64),
     /// A stabilizing gain was computed, but its residual is too large: above 1e-6, or above 1e-9 and above its
     /// rounding error. The reason is usually that weights differ by many orders of magnitude. The number is the
     /// relative residual.
     #[error(
-        "the Riccati equation was solved only to a residual of {0:.1e}: weights or units differ by too many orders of magnitude"
+        "the Riccati equation was solved only to a residual of {0:.1e}. Choose weights or units that differ by fewer orders of magnitude"
     )]
     Inaccurate(f64),
 }

@@ -131,7 +131,8 @@ fn robots_with_fewer_drives_than_joints_are_refused() {
     assert_eq!(error, ComputedTorqueError::Underactuated { joint: 1, name: "pole" });
     assert_eq!(
         error.to_string(),
-        "the inputs cannot produce an arbitrary force at joint pole: computed torque needs a drive for every coordinate. Use `JointPd` instead"
+        "the inputs cannot produce an arbitrary force at joint pole. Computed torque needs a drive for every coordinate. Use \
+         `JointPd` instead"
     );
 }
 
@@ -140,7 +141,7 @@ fn what_is_no_number_is_told() {
     let bad = AccelerationGains { position: [1.0, f64::INFINITY], velocity: [1.0; 2] };
     assert_eq!(
         ComputedTorque::new(PowerCube, bad).unwrap_err().to_string(),
-        "setting gains.position[gamma] of the loop is inf; it must be finite and not negative"
+        "setting gains.position[gamma] of the loop is inf, but must be finite and not negative"
     );
     let gains = AccelerationGains::from_bandwidth(OMEGA, DAMPING);
     let law = ComputedTorque::new(PowerCube, gains).unwrap();

@@ -93,16 +93,16 @@ fn bad_input_is_an_error() {
         JointLqr::new(Alpha, &[positions], period, weights).unwrap_err().to_string()
     };
     let good = weights();
-    assert_eq!(error(0.0, 0.0, good), "setting period of the loop is 0; it must be positive and finite");
+    assert_eq!(error(0.0, 0.0, good), "setting period of the loop is 0, but must be positive and finite");
     let zero = LqrWeights { input: [0.0], ..good };
     assert_eq!(
         error(0.0, PERIOD, zero),
-        "setting weights.input[alpha] of the loop is 0; it must be finite and positive"
+        "setting weights.input[alpha] of the loop is 0, but must be finite and positive"
     );
     let nan = LqrWeights { velocity: [f64::NAN], ..good };
     assert_eq!(
         error(0.0, PERIOD, nan),
-        "setting weights.velocity[alpha] of the loop is NaN; it must be finite and not negative"
+        "setting weights.velocity[alpha] of the loop is NaN, but must be finite and not negative"
     );
     assert_eq!(
         error(f64::NAN, PERIOD, good),

@@ -340,7 +340,7 @@ fn a_stall_beyond_prediction_is_a_fault_of_one_step() {
         }
         assert_eq!(
             ControllerFault::Stalled { periods: 101 }.to_string(),
-            "101 periods passed since the last step, too many for a prediction"
+            "the state cannot be predicted, because 101 periods passed since the last step"
         );
     }
 }

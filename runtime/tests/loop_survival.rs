@@ -473,8 +473,8 @@ fn the_log_has_every_period_and_identification_reads_it() {
 #[test]
 fn settings_out_of_range_are_named() {
     for (rate, message) in [
-        (20.0, "setting rate of the loop is 20; it must be 50 to 1000 Hz"),
-        (f64::NAN, "setting rate of the loop is NaN; it must be 50 to 1000 Hz"),
+        (20.0, "setting rate of the loop is 20, but must be 50 to 1000 Hz"),
+        (f64::NAN, "setting rate of the loop is NaN, but must be 50 to 1000 Hz"),
     ] {
         let mut robot = Watched::at_start(RATE);
         let clock = robot.clock.clone();

@@ -136,8 +136,8 @@ fn a_loop_does_not_start_without_a_plant() {
     assert!(errors >= tries && report.counts.missing == 0, "{report}");
     assert_eq!((report.counts.periods, report.brakes), (0, Brakes::Unknown), "{report}");
     let text = report.to_string();
-    let reason = "the start was refused: the robot's side does not answer: check that it runs, its address, and that it has the \
-                  same version; brakes unknown; check the robot";
+    let reason = "the start was refused: the program at the robot does not answer. Check that it runs, that it has the \
+                  same version, and its address; brakes unknown; check the robot";
     assert!(text.starts_with(reason), "{text}");
     assert!(text.contains(&format!("{errors} transport errors")), "{text}");
 }
@@ -160,7 +160,7 @@ fn a_killed_plant_stops_the_loop_and_comes_back_braked() {
     assert_eq!(report.end, End::Stopped(StopReason::Transport(TransportError::NoAnswer)));
     assert_eq!(report.counts.held, 3, "{report}");
     assert_eq!(report.brakes, Brakes::Unknown, "nobody confirmed them");
-    assert!(report.to_string().contains("the robot's side does not answer"), "{report}");
+    assert!(report.to_string().contains("the program at the robot does not answer"), "{report}");
     assert!(report.to_string().contains("brakes unknown; check the robot"), "{report}");
 
     let port = address.port().to_string();
@@ -424,7 +424,7 @@ fn options_of_a_server_are_checked() {
     };
     for period in [f64::NAN, 0.0, -0.02, 5e-324, 1e-7, 61.0, 1e300, f64::INFINITY] {
         let message = refused(ServerOptions { period, ..ServerOptions::default() });
-        assert_eq!(message, format!("server option period is {period}; it must be 1e-6 to 60 s"));
+        assert_eq!(message, format!("server option period is {period}, but must be 1e-6 to 60 s"));
     }
     for loss in [f64::NAN, -0.1, 1.1] {
         let message = refused(ServerOptions { loss, ..ServerOptions::default() });

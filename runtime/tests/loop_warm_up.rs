@@ -154,7 +154,7 @@ fn its_time_is_at_most_half_a_period() {
         );
         assert_eq!(
             refused.err().unwrap().to_string(),
-            format!("setting warm_up of the loop is {warm_up}; it must be 0 to half a period (s)")
+            format!("setting warm_up of the loop is {warm_up}, but must be 0 to half a period (s)")
         );
     }
 }

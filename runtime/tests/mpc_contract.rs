@@ -48,8 +48,8 @@ fn senseless_options_are_refused_by_name() {
         change(&mut options);
         Ltv::new(PowerCube, motion(), options).unwrap_err().to_string()
     };
-    assert_eq!(refuse(|o| o.period = 0.0), "period is 0; it must be positive and finite (s)");
-    assert_eq!(refuse(|o| o.horizon = 200), "the horizon is 200 stages; it must be 1 to 100");
+    assert_eq!(refuse(|o| o.period = 0.0), "period is 0, but must be positive and finite (s)");
+    assert_eq!(refuse(|o| o.horizon = 200), "the horizon is 200 stages, but must be 1 to 100");
     assert!(refuse(|o| o.position_weight[1] = -1.0).contains("position_weight[1] is -1"));
     assert!(refuse(|o| o.input_weight = [0.0; 2]).contains("input_weight"));
     assert!(refuse(|o| o.velocity_limits[0] = f64::NAN).contains("velocity_limits"));
@@ -191,15 +191,15 @@ fn a_trajectory_beyond_the_soft_limits_is_noted() {
     assert_eq!(
         notes(|o| o.velocity_limits = [0.375, 0.4]),
         [
-            "at 1.000 s the trajectory moves joint gamma at 0.5625 rad/s (or m/s), beyond its soft limit of 0.4000: the robot will lag \
-             behind the trajectory; slow the trajectory down, or raise `velocity_limits`"
+            "at 1.000 s the trajectory moves joint gamma at 0.5625 rad/s (or m/s), above its soft limit of 0.4000. The robot will \
+             lag behind. Slow the trajectory down, or raise `velocity_limits`"
         ]
     );
     assert_eq!(
         notes(|o| o.position_limits[0] = [0.2, 0.6]),
         [
-            "at 0.000 s the trajectory has joint beta at 0.1000 rad (or m), outside its soft limits of 0.2000 to 0.6000: the controller \
-             will stop the joint near the limit; change the trajectory, or `position_limits`"
+            "at 0.000 s the trajectory has joint beta at 0.1000 rad (or m), outside its soft limits of 0.2000 to 0.6000. The controller \
+             will stop the joint near the limit. Change the trajectory, or `position_limits`"
         ]
     );
 }
@@ -212,8 +212,8 @@ fn friction_that_jumps_is_noted() {
     assert_eq!(
         notes,
         [
-            "the friction of joint gamma jumps by 0.984 N m (or N) at rest, which linear predictions cannot represent: the joint may stop \
-             before its goal; generate a smooth model for the controller (`--control-model`)"
+            "the friction of joint gamma jumps by 0.984 N m (or N) at rest, so the joint may stop before its goal. Linear \
+             predictions cannot represent the jump. Generate a smooth model with `--control-model`"
         ]
     );
     let smooth = LightWrist { viscous: [1e3; 2] };
@@ -414,8 +414,8 @@ fn a_joint_too_fast_for_the_period_is_named() {
     let steep = LightWrist { viscous: [1.0, 1000.0] };
     let options = MpcOptions::new(&steep, 0.1, 5);
     let motion = || RestToRest::new([0.0, 0.0], [0.1, 0.1], 1.0).unwrap();
-    let expected = "the motion of joint wrist cannot be predicted over a period of 0.1 s: its force has a slope of 1.000e3 N m s/rad \
-                    (or N s/m) over its speed, a rate of 1.0e9 1/s. Use a model with less steep friction";
+    let expected = "the motion of joint wrist cannot be predicted over a period of 0.1 s. The slope of its force over its speed, \
+                    1.000e3 N m s/rad (or N s/m), causes a rate of 1.0e9 1/s. Use a model with less steep friction";
     let linear = LtvMpc::new(steep, motion(), options.clone());
     let nonlinear = Nmpc::new(steep, motion(), options.clone());
     for error in [linear.unwrap_err(), nonlinear.unwrap_err()] {

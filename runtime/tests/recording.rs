@@ -156,7 +156,7 @@ fn files_that_cannot_be_used_say_where() {
     let one = Columns { time: "t", positions: ["y"], velocities: None };
     let read = |text: &str| Recording::read(text.as_bytes(), "log.csv", &one).unwrap_err();
     let message = |text: &str| read(text).to_string();
-    assert_eq!(message("t,x\n0,1\n"), "log.csv: column y is missing; the file has the columns t, x");
+    assert_eq!(message("t,x\n0,1\n"), "log.csv: column y is missing. The file has the columns t, x");
     assert_eq!(message("t,y\n0,1\n1,two\n"), "log.csv, row 2: \"two\" in column y is not a number");
     assert!(message("t,y\n0,1\n1,2\n3,3\n4,4\n").starts_with("log.csv, row 2: the time is 1 s"));
     assert!(matches!(read("t,y\n0,1\n"), TrajectoryError::TooFew { needed: 3, given: 1, .. }));
@@ -168,5 +168,5 @@ fn files_that_cannot_be_used_say_where() {
     let recording = Recording::read("t, y\n0, 1\n1, 2\n2, 3\n".as_bytes(), "", &one).unwrap();
     assert_eq!(recording.positions(), [[1.0], [2.0], [3.0]]);
     let error = recording.smoothed(&Smoothing { time_constant: 50.0, correction_time: 1.0 });
-    assert_eq!(error.unwrap_err().to_string(), "time constant in periods is 50; it must be 1 to 20");
+    assert_eq!(error.unwrap_err().to_string(), "time constant in periods is 50, but must be 1 to 20");
 }

@@ -69,9 +69,9 @@ fn the_fastest_rest_to_rest_touches_one_limit() {
 #[test]
 fn bad_numbers_are_named() {
     let error = RestToRest::new([0.0, f64::NAN], [0.0; 2], 1.0).unwrap_err();
-    assert_eq!(error.to_string(), "start of joint 2 is NaN; it must be finite");
+    assert_eq!(error.to_string(), "start of joint 2 is NaN, but must be finite");
     let error = RestToRest::new([0.0; 2], [0.0; 2], -1.0).unwrap_err();
-    assert_eq!(error.to_string(), "duration is -1; it must be positive");
+    assert_eq!(error.to_string(), "duration is -1, but must be positive");
     let one = vec![Sample::at_rest([0.0])];
     assert!(Sampled::new(one, 0.02).unwrap_err().to_string().contains("2 are needed"));
 }

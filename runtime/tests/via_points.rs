@@ -199,17 +199,20 @@ fn what_cannot_be_is_named() {
     assert_eq!(message(&[[0.0; 2]], &limits), "1 points are given, but 2 are needed");
     assert_eq!(
         message(&[[0.0; 2], [0.1, 0.2], [0.1, 0.2]], &limits),
-        "points 2 and 3 are equal: remove one of them, or use `PointSequence` to stop there"
+        "points 2 and 3 are equal. Remove one of them, or use `PointSequence` to stop there"
     );
     assert_eq!(
         message(&[[0.0; 2], [1.2, 0.2]], &limits),
         "point 2 has joint 1 at 1.2 rad (or m), outside its limits -1 to 1"
     );
-    assert_eq!(message(&[[0.0; 2], [0.1, f64::NAN]], &limits), "point 2, joint 2, is NaN; it must be finite");
+    assert_eq!(
+        message(&[[0.0; 2], [0.1, f64::NAN]], &limits),
+        "point 2, joint 2, is NaN, but must be finite"
+    );
     let unlimited = MotionLimits::default();
     assert_eq!(
         message(&[[0.0; 2], [0.0, 0.2]], &unlimited),
-        "joint 2 moves, but neither its speed nor its acceleration is limited: set one of these limits"
+        "joint 2 moves, but neither its speed nor its acceleration is limited. Set one of these limits"
     );
     for bad in [0.0, -1.0, f64::NAN] {
         let limits = MotionLimits { speeds: [1.0, bad], ..limits };

@@ -144,7 +144,7 @@ const CASES: [Case; 8] = [
         findings: &[(
             NOT_HELD,
             Severity::Note,
-            "has floating joints with positions in the base frame; the positions differ at: `hull`",
+            "has floating joints with positions in the base frame. The positions differ at: `hull`",
         )],
         answer: Answer::Agrees,
     },
@@ -159,7 +159,7 @@ const CASES: [Case; 8] = [
         file: "inner_floating_joint.toml",
         mass: &[],
         findings: &[
-            (NOT_HELD, Severity::Warning, "has floating joints only at the base; MuJoCo rejects: `hull`"),
+            (NOT_HELD, Severity::Warning, "has floating joints only at the base. MuJoCo rejects: `hull`"),
             (DIFFERS, Severity::Warning, "only joint of a body in <worldbody>)): other programs reject it"),
         ],
         answer: Answer::Refuses,

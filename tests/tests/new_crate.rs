@@ -61,7 +61,7 @@ fn a_new_crate_builds_and_simulates() {
 
     // A robot that was renamed is not simulated under its old name.
     let renamed = build_with("name = \"robot\"", "name = \"walker\"");
-    let says = "generates no robot `robot`, but `walker` from robot.toml. A module has its robot's name: the key `name`";
+    let says = "generates no robot `robot`, but `walker` from robot.toml. A module has the name of its robot, which is `name`";
     assert!(renamed.contains(says), "{renamed}");
 }
 

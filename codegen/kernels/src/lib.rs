@@ -1,9 +1,9 @@
 //! Elementary functions, discrete time and positions with quaternions. Each is available as code, and as text
 //! that the generator pastes into modules.
 //!
-//! The interpreter of the generator and the runtime call the code. Generated modules contain the text
-//! ([`math::Kernel::source`], [`discrete_time::Text::source`], [`manifold::Text::source`]). Therefore all
-//! three agree bit for bit.
+//! The runtime and the generator's interpreter call the code. Generated modules contain the text of the same code
+//! ([`math::Kernel::source`], [`discrete_time::Text::source`], [`manifold::Text::source`]). Therefore the
+//! interpreter, the runtime and the generated modules return the same bits.
 
 #![no_std]
 

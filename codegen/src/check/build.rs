@@ -93,9 +93,8 @@ impl Builder<'_, '_> {
         if moving.is_empty() {
             self.report.error(self.robot.name.span, "no-moving-joint", "no joint of the robot moves");
             self.report.help(
-                "describe a moving joint (for example revolute, prismatic, spherical or floating) that is \
-                 not held, not driven and follows no other joint; or make the base floating: `base = { link = \
-                 \"…\", type = \"floating\" }`, or `--base floating` for a URDF",
+                "describe a joint that moves: it must not be fixed, held or driven, and must not follow another joint. Or make \
+                 the base floating by `base = { link = \"…\", type = \"floating\" }`, or by `--base floating` for a URDF",
             );
             return None;
         }

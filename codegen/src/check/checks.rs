@@ -57,7 +57,7 @@ pub(super) fn joint(joint: &JointDescription, report: &mut Report) {
         let message = format!("joint `{}` has an `offset` but follows no joint", name.value);
         report.error(offset.span, "conflicting-keys", message);
         report
-            .help("`offset` is the position of a follower if the followed joints are at 0: add `follows`, or remove `offset`");
+            .help("`offset` is the position of a follower if the followed joints are at 0. Add `follows`, or remove `offset`");
     }
 }
 
@@ -65,7 +65,7 @@ fn amounts(limits: &LimitsDescription, name: &Name, report: &mut Report) {
     for (what, limit) in limits.amounts() {
         if let Some(limit) = limit.as_ref().filter(|limit| limit.value <= 0.0) {
             let message = format!(
-                "the {what} limit of joint `{}` is {}; it must be positive",
+                "the {what} limit of joint `{}` is {}, but must be positive",
                 name.value,
                 as_written(limit.value)
             );

@@ -217,7 +217,7 @@ impl Resolver<'_, '_> {
             let message =
                 format!("{what} `{}` does not move with {}: {ways}", name.value, list(names.into_iter()));
             self.report.note(Some(name.span), "follows-cancel", message);
-            self.report.help(format!("{ADDED_UP}; correct a sign if this is not intended"));
+            self.report.help(format!("{ADDED_UP}. Correct a sign if this is not intended"));
         }
         (!row.terms.is_empty()).then_some(row)
     }
@@ -258,7 +258,7 @@ impl Resolver<'_, '_> {
             let message =
                 format!("the ratio to joint `{}` must not be {}", term.joint.value, as_written(value));
             self.report.error(term.ratio.span, "follows-ratio", message);
-            self.report.help("the ratio is joint motion per unit motion of the followed joint; it must be finite and non-zero");
+            self.report.help("the ratio is joint motion per unit motion of the followed joint. It must be finite and non-zero");
             return None;
         }
         if row.offset != 0.0 && ratio.as_number().is_none() {
@@ -330,8 +330,8 @@ fn note_dry_friction(
         let message = format!("{what} `{}` {verb} several coordinates and has dry friction", name.value);
         report.note(Some(friction.span), "dry-follower", message);
         report.help(
-            "the runtime's plant cannot simulate sticking of a sum of coordinates and rejects this robot: \
-             give the friction a `slope`, or use `--smooth-sign`",
+            "the runtime's plant rejects this robot, because it cannot simulate sticking of a sum of coordinates. Give the \
+             friction a `slope`, or use `--smooth-sign`",
         );
     }
 }

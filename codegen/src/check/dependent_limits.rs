@@ -93,16 +93,15 @@ impl<'d> Limited<'d> {
         let driven = self.coordinates.len() - self.driven;
         report.help(match &follower.follows[..] {
             terms if terms.iter().any(|term| term.coordinate >= driven) => {
-                "the control loop brakes at these limits, and trajectory checks report violations; \
-                 predictive controllers do not keep limits that depend on driven joints, and report this"
+                "the control loop brakes at these limits, and trajectory checks report violations. Predictive controllers report \
+                 that they do not enforce limits that depend on driven joints"
             }
             [_] => {
-                "the runtime narrows the limits of the followed joint: control loop, predictive \
-                    controllers and planned motions keep both"
+                "the runtime narrows the limits of the followed joint. Control loop, predictive controllers and planned motions keep both"
             }
             _ => {
-                "the control loop brakes at these limits, and trajectory checks report violations; \
-                 predictive controllers keep them with rows from `MpcRow::of_limits`"
+                "the control loop brakes at these limits, and trajectory checks report violations. Predictive controllers keep \
+                 them with rows from `MpcRow::of_limits`"
             }
         });
     }
@@ -153,8 +152,8 @@ impl<'d> Limited<'d> {
         }
         let followed = &self.joint(self.coordinates[coordinate]).name.value;
         let message = format!(
-            "joints `{0}` and `{1}` follow `{followed}` with contradictory limits: `{0}` requires \
-             `{followed}` ≥ {2}, and `{1}` requires `{followed}` ≤ {3}",
+            "joints `{0}` and `{1}` follow `{followed}` with contradictory limits. `{0}` requires `{followed}` ≥ {2}, and `{1}` \
+             requires `{followed}` ≤ {3}",
             a.name.value,
             b.name.value,
             as_written(low),

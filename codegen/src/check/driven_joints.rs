@@ -29,8 +29,7 @@ pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
             );
             report.error(joint.name.span, CODE, message);
             report.help(
-                "a robot cannot have both driven joints and quaternions: describe the motion with \
-                         joints of one coordinate",
+                "a robot cannot have both driven joints and quaternions. Describe the motion with joints of one coordinate",
             );
             break;
         }
@@ -53,7 +52,7 @@ fn check_joint(joint: &JointDescription, span: Span, report: &mut Report) {
     let (what, help) = if joint.part_of.is_some() {
         (
             "has a quaternion",
-            "only a joint with one position can be driven: describe the motion with several such joints",
+            "only a joint with one position can be driven. Describe the motion with several such joints",
         )
     } else if joint.held.is_some() {
         ("is held", "remove `held` or `motion = \"driven\"`")
@@ -76,9 +75,8 @@ fn check_drive(joint: &JointDescription, report: &mut Report) {
             format!("joint `{name}` has `motion = \"driven\"`, so it cannot have a drive"),
         );
         report.help(
-            "the motion of this joint is prescribed, and no input changes it: remove `drive`. \
-             `driving_forces` computes the required force; describe a rotor as a body that follows the \
-             joint",
+            "remove `drive`, because the motion of this joint is prescribed. `driving_forces` computes the required force. \
+             Describe a rotor as a body that follows the joint",
         );
     }
     let mut limits = joint.limits.amounts().into_iter().filter_map(|(_, limit)| limit.as_ref());
@@ -89,7 +87,7 @@ fn check_drive(joint: &JointDescription, report: &mut Report) {
             format!("the motion and effort limits of driven joint `{name}` have no effect"),
         );
         report.help(
-            "only position limits have an effect, on the states of checks and self-tests: remove the other limits",
+            "only position limits have an effect, on the states of checks and self-tests. Remove the other limits",
         );
     }
 }
@@ -119,8 +117,7 @@ pub(super) fn check_shared_drive(
     if row.terms.iter().all(|term| is_driven(term.coordinate)) {
         report.error(name.span, CODE, format!("drive `{}` acts only on driven joints", name.value));
         report.help(
-            "the motion of a driven joint is prescribed, and no input changes it: remove the drive, or name a \
-             joint that is not driven",
+            "the motion of a driven joint is prescribed, and no input changes it. Remove the drive, or name a joint that is not driven",
         );
     }
 }

@@ -135,9 +135,8 @@ impl Builder<'_, '_> {
                 let message = format!("the rotor of drive `{}` needs {missing}", described.name.value);
                 self.report.error(described.name.span, "missing-key", message);
                 self.report.help(
-                    "`carrier` is the link that carries the rotor, and `axis` the rotor's axis in the frame \
-                     of that link; `coupling = \"diagonal\"` uses only the rotor's inertia along the motion \
-                     of the drive",
+                    "`carrier` is the link that carries the rotor, and `axis` is the rotor's axis in the frame of this link. \
+                     `coupling = \"diagonal\"` uses only the rotor's inertia along the motion of the drive",
                 );
                 None
             }
@@ -156,8 +155,7 @@ impl Builder<'_, '_> {
             let message = format!("joint `{}` follows other joints, so it cannot have a drive", joint.name);
             self.report.error(drive.span, "driven-follower", message);
             self.report.help(
-                "a drive acts on coordinates: describe it at the followed joint, or with `[[drives]]` and \
-                 `on = { … }`",
+                "a drive cannot act on a follower. Describe it at the followed joint, or with `[[drives]]` and `on = { … }`",
             );
             return None;
         }
@@ -232,7 +230,7 @@ impl Builder<'_, '_> {
                 format!("the gear ratio of drive `{name}` is {}", as_written(ratio)),
             );
             self.report
-                .help("the gear ratio is motor angle divided by joint angle; it must be finite and non-zero");
+                .help("the gear ratio is motor angle divided by joint angle. It must be finite and non-zero");
         }
         if let Some(friction) = &motor.friction {
             let speed =
@@ -251,13 +249,13 @@ impl Builder<'_, '_> {
         if !constant.is_finite() || constant == 0.0 {
             self.report.error(motor.input_span, "motor-constant", message);
             self.report.help(
-                "the motor constant is motor torque per current; it must be finite and non-zero, in N m/A",
+                "the motor constant is motor torque per current. It must be finite and non-zero, in N m/A",
             );
         } else if constant < 0.0 {
             let message = format!("{message}: a positive current turns the motor backwards");
             self.report.warning(motor.input_span, "motor-constant", message);
             self.report.help(
-                "give a positive constant; if the joint turns against its motor, use a negative `gear_ratio`",
+                "give a positive constant. If the joint turns against its motor, use a negative `gear_ratio`",
             );
         }
     }

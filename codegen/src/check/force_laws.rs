@@ -92,8 +92,7 @@ fn is_below_one(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) -> 
         );
         report.error(span, "load-friction-too-large", message);
         report.help(
-            "`load` is friction divided by load, without unit; it must be below 1, otherwise no \
-                     torque moves the joint",
+            "`load` is friction divided by load, without unit. It must be below 1, otherwise no torque moves the joint",
         );
         return false;
     }
@@ -101,8 +100,7 @@ fn is_below_one(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) -> 
         return true;
     }
     let message = format!(
-        "the load-dependent friction of {name} cannot be shown to stay below the load, because limits do not \
-         bound the speed and the position on which it depends"
+        "the load-dependent friction of {name} may exceed the load, because it depends on a speed or position without limits"
     );
     report.error(span, "load-friction-too-large", message);
     report.help("add position and velocity limits to the joint, or use a law that saturates, for example 0.1*tanh(50*v)");
@@ -147,8 +145,8 @@ fn brakes(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) {
         );
         report.error(span, "friction-drives", message);
         report.help(
-            "the law must have the sign of the velocity at every position within the limits: make its factor \
-             positive, for example with a square, `abs` or an added constant",
+            "the law must have the sign of the velocity at every position within the limits. Make its factor positive, for \
+             example with a square, `abs` or an added constant",
         );
     } else if driven.iter().all(|(_, is_driven)| *is_driven) {
         report.error(

@@ -114,7 +114,7 @@ impl Resolver<'_> {
             name.value, site.link.value
         );
         self.report.error(name.span, "ambiguous-name", message);
-        self.report.help("a force acts between frames or links: rename the site in the MJCF, or describe a frame at its place");
+        self.report.help("a force acts between frames or links. Rename the site in the MJCF, or describe a frame at its place");
         false
     }
 
@@ -152,8 +152,7 @@ impl Resolver<'_> {
         } else if *low > 0.0 || *high < 0.0 {
             let message = format!("the limits of input `{}` exclude 0", name.value);
             self.report.error(*span, "limits-exclude", message);
-            self.report
-                .help("the guards of the runtime command 0 to stop the robot: give limits that contain 0");
+            self.report.help("give limits that contain 0, because the runtime commands 0 to stop the robot");
         }
         Some([*low, *high])
     }

@@ -101,8 +101,7 @@ fn note_lengths(
     }
     let message = |entries| {
         format!(
-            "these positions are far from the frame of their link; check whether lengths are \
-                                     in millimetres: {entries}"
+            "these positions are far from the frame of their link: {entries}. Check whether lengths are in millimetres"
         )
     };
     note_found(found, "far-away", message, "lengths are in m, inertias in kg m²", report);
@@ -135,8 +134,7 @@ fn note_inertias(
     }
     let message = |entries| {
         format!(
-            "these inertias are too large for their masses; check whether the inertias are \
-                                     in kg mm²: {entries}"
+            "these inertias are too large for their masses: {entries}. Check whether the inertias are in kg mm²"
         )
     };
     note_found(found, "large-inertia", message, "inertias are in kg m²: 1 kg m² is 1e6 kg mm²", report);
@@ -227,5 +225,5 @@ fn warn_of_missing_drives(robot: &RobotDescription, report: &mut Report) {
     let entries = listed(found.into_iter().map(|(_, entry)| entry));
     let message = format!("the effort limits of these joints without a drive have no effect: {entries}");
     report.warning(first, "effort-without-drive", message);
-    report.help("`drive = \"ideal\"` makes the joint's force or torque an input; `drive = \"none\"` gives it no input");
+    report.help("`drive = \"ideal\"` makes the joint's force or torque an input. `drive = \"none\"` gives it no input");
 }

@@ -91,8 +91,8 @@ fn refuse(body: &BodyDescription, flaw: &Flaw, report: &mut Report) {
     report.push(Some(span), Diagnostic { severity, ..Diagnostic::note(code, message) });
     if severity != Severity::Note {
         report.help(
-            "give the mass, and the inertia about the centre of mass; `accept_unphysical = true` in a TOML \
-             body accepts the published value",
+            "give the mass, and the inertia about the centre of mass. `accept_unphysical = true` in a TOML body accepts the \
+             published value",
         );
     }
 }
@@ -108,19 +108,18 @@ impl Published<'_> {
         let entries = self.findings.iter();
         let entries = entries.map(|Finding { body, flaw }| format!("`{}` ({flaw})", body.name.value));
         let definite = match pivots.is_some_and(Pivots::are_positive) {
-            true => format!("; its mass matrix is positive definite at {STATES} pseudo-random states"),
+            true => format!(". Its mass matrix is positive definite at {STATES} pseudo-random states"),
             false => String::new(),
         };
         let message = format!(
-            "{} of {} moving bodies are not physical: {}; the model uses the published values{definite}",
+            "{} of {} moving bodies are not physical: {}. The model uses the published values{definite}",
             self.findings.len(),
             self.moving,
             listed(entries),
         );
         report.warning(span_of(first.body), "unphysical-bodies", message);
         report.help(
-            "a real body has positive mass; no principal moment about its centre of mass is negative, and \
-             none exceeds the sum of the other two",
+            "a real body has positive mass. No principal moment about its centre of mass is negative or exceeds the sum of the other two",
         );
     }
 }

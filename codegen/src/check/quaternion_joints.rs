@@ -51,8 +51,8 @@ impl Velocity<'_> {
             );
         }
         if let Some(follows) = follows {
-            let help = "a joint with a quaternion cannot follow a coordinate: describe it with revolute \
-                        joints, for example type \"universal\"";
+            let help = "a joint with a quaternion cannot follow a coordinate. Describe it with revolute joints, for example type \
+                        \"universal\"";
             self.refuse(follows.span, "`follows`", help, report);
         }
         if let Some(springs) = springs
@@ -100,8 +100,7 @@ fn refuse_following(robot: &RobotDescription, followed: &Name, by: &Name, report
         );
         report.error(followed.span, "quaternion-joint", message);
         report.help(
-            "only a joint with one position can be followed; for a torque on this joint use `drive \
-                     = \"ideal\"` at the joint",
+            "only a joint with one position can be followed. For a torque on this joint, use `drive = \"ideal\"` at the joint",
         );
     }
 }
@@ -112,7 +111,7 @@ fn refuse_second_floating(robot: &RobotDescription, report: &mut Report) {
     let first = floating.next();
     for (second, first) in floating.filter_map(|second| Some((second, first?))) {
         let message = format!(
-            "joint `{}` is a second floating joint; the first is `{}`",
+            "joint `{}` is a second floating joint. The first is `{}`",
             second.joint.value, first.joint.value
         );
         report.error(second.joint.span, "second-floating-joint", message);

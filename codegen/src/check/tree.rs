@@ -252,8 +252,8 @@ fn report_carried_by_itself(link: &str, is_default: bool, span: Span, report: &m
     let other = if link == "world" { "ground" } else { "world" };
     report.help(match is_default {
         true => format!(
-            "a joint without `child` moves the link that has its name, and the base carries the first joint \
-             without `parent`: rename the joint or the base, for example `base = \"{other}\"`"
+            "rename the joint or the base, for example `base = \"{other}\"`. A joint without `child` moves the link with its own \
+             name, and a first joint without `parent` is on the base"
         ),
         false => "name two different links: `parent` carries the joint, `child` moves with it".to_owned(),
     });
@@ -266,5 +266,5 @@ fn report_two_joints(second: &JointDescription, first: &JointDescription, report
         child.value, first.name.value, second.name.value
     );
     report.error(child.span, "two-parents", message);
-    report.help("each link has one joint to its parent; closed loops are not supported");
+    report.help("each link has one joint to its parent. Closed loops are not supported");
 }

@@ -36,7 +36,7 @@ impl CodeSizes {
         }
         let output = command.output().map_err(|error| {
             Failure::Problem(format!(
-                "cannot run the compiler {}: {error}; set the environment variable RUSTC to its path",
+                "cannot run the compiler {}: {error}. Set the environment variable RUSTC to its path",
                 rustc.to_string_lossy()
             ))
         })?;

@@ -213,7 +213,7 @@ fn function(text: &str) -> Result<String, String> {
     }
     if PositionFunction::ALL.iter().any(|function| function.name() == name) {
         return Err(
-            "this function is always generated for robots with spherical or floating joints and never for others: leave it out"
+            "leave this function out. It is always generated for robots with spherical or floating joints, and never for others"
                 .to_owned(),
         );
     }

@@ -109,8 +109,8 @@ fn delegate(description: &Path) -> Result<ExitCode, Failure> {
         // The process has printed the reason.
         Some(code @ 1..=3) => Ok(ExitCode::from(code as u8)),
         _ => Err(Failure::Problem(format!(
-            "the computer algebra stopped ({status})\n  = help: without a licence key, only one program per \
-             machine can use Symbolica: end other programs that use it"
+            "the computer algebra stopped ({status})\n  = help: without a licence key, only one program per machine can use \
+             Symbolica. End other programs that use it"
         ))),
     }
 }

@@ -61,7 +61,7 @@ impl Failure {
             }
             Self::Internal(message) => {
                 print::err(&format!(
-                    "internal error: {message}; please report it at {}, with the description and the command\n",
+                    "internal error: {message}. Please report it at {}, with the description and the command\n",
                     env!("CARGO_PKG_REPOSITORY")
                 ));
                 INTERNAL
@@ -120,7 +120,7 @@ mod tests {
         assert_eq!(output.status.code(), Some(3), "{said}");
         let (start, end) = said.split_once(" at codegen/src/cli/failure.rs:").unwrap();
         assert_eq!(start, "internal error: the matrix [] is empty");
-        assert!(end.contains("; please report it at https://"), "{said}");
+        assert!(end.contains(". Please report it at https://"), "{said}");
         assert_eq!(said.lines().count(), 1, "{said}");
     }
 }

@@ -180,7 +180,7 @@ fn report_stale(stale: &[(PathBuf, String)], format: Format) -> Result<ExitCode,
 fn derive_all(workspace: &Workspace, modules: &Modules) -> Result<Vec<Generated>, Failure> {
     if modules.language != LanguageName::Rust {
         return Err(Failure::Usage(
-            "`--language c` needs a description: without one, only the Rust crate of models/ can be generated"
+            "`--language c` needs a description. Without one, only the Rust crate of models/ can be generated"
                 .to_owned(),
         ));
     }

@@ -108,11 +108,10 @@ fn closed_form(arguments: &Inspect, format: Format) -> Result<ExitCode, Failure>
 #[cfg(not(feature = "symbolica"))]
 fn closed_form(_: &Inspect, _: Format) -> Result<ExitCode, Failure> {
     Err(Failure::Usage(
-        "closed forms with symbols need a build with `--features symbolica`; this build lacks the feature. \
-         Symbolica is source-available: commercial use needs a licence from \
-         https://symbolica.io\n  = help: `gelenk inspect equations DESCRIPTION` prints closed forms with \
-         the numbers of the description\n  = help: cargo run --release --features symbolica -- inspect \
-         --closed-form DESCRIPTION"
+        "this build has no closed forms with symbols. They need a build with `--features symbolica`. Commercial use of \
+         Symbolica, which is source-available, needs a licence from https://symbolica.io\n  = help: `gelenk inspect equations \
+         DESCRIPTION` prints closed forms with the numbers of the description\n  = help: cargo run --release --features symbolica \
+         -- inspect --closed-form DESCRIPTION"
             .to_owned(),
     ))
 }

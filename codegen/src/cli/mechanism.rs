@@ -99,13 +99,13 @@ impl<'m> Shown<'m> {
         let quaternions = match self.model.quaternion_joints.is_empty() {
             true => "",
             false => {
-                " A spherical joint is at x y z of the parent's frame. The positions of a joint with a quaternion are the pose \
-                 of its body; the next joints begin at the frame of its link."
+                " A spherical joint is at x y z of the parent's frame. The positions of a joint with a quaternion are the pose of \
+                 its body. The next joints begin at the frame of its link."
             }
         };
         let caption = format!(
             "Modified Denavit–Hartenberg frames: R_z(gamma) R_x(alpha) and the shift x y z transform the parent's frame to the \
-             joint's axis; `lift` is the distance along the axis to the origin.{quaternions}"
+             joint's axis. `lift` is the distance along the axis to the origin.{quaternions}"
         );
         let mut table = Table::new("frames", &caption);
         for name in ["joint", "parent", "kind", "follows"] {
@@ -161,8 +161,8 @@ impl<'m> Shown<'m> {
     }
 
     fn moments(&self) -> Table {
-        let caption = "Masses and their moments about the origins; masses that matter only as a sum are moved towards the base. `free` marks \
-                       values that depend on free parameters.";
+        let caption = "Masses and their moments about the origins. Masses that matter only as a sum are moved towards the base. \
+                       `free` marks values that depend on free parameters.";
         let mut table = Table::new("moments", caption).column("body", "body", "").column("m", "m", "kg");
         for (names, unit) in [
             (&["h_x", "h_y", "h_z"][..], "kg m"),

@@ -113,8 +113,7 @@ impl Target {
         }
         if !is_of_c(output) {
             return usage(format!(
-                "a C module needs a folder or a file name that ends with .c; {} is neither. The header is \
-                 written next to the .c file",
+                "{} is neither a folder nor a file name that ends with .c. The header of a C module is written next to the .c file",
                 output.display()
             ));
         }

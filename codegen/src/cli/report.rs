@@ -89,8 +89,8 @@ fn closed_form(
 #[expect(clippy::unnecessary_wraps, reason = "as with the feature")]
 fn closed_form(_: &arguments::Report, _: &Loaded) -> Result<Result<ClosedForm, String>, Failure> {
     Ok(Err(
-        "Closed forms exist for robots with up to three coordinates. Closed forms with symbols need a build \
-         of `gelenk` with the feature `symbolica`; this page was made without it."
+        "Closed forms exist for robots with up to three coordinates. Closed forms with symbols need a build of `gelenk` with the \
+         feature `symbolica`. This page was made without it."
             .to_owned(),
     ))
 }

@@ -14,8 +14,9 @@ pub struct Arguments<'g> {
     pub a: Vec<Scalar<'g>>,
     /// Inputs u: motor torques, motor currents, or forces at frames.
     pub u: Vec<Scalar<'g>>,
-    /// Multipliers λ of the generalized forces in the Hessian of `λᵀ(M ÿ + k − q)`, which is the Hessian of
-    /// the inverse dynamics.
+    /// Multipliers λ, one for each generalized force. They weight the entries of the inverse dynamics: the
+    /// Hessian is that of `λᵀ(M ÿ + k − q)`, with the mass matrix M, the terms k of the equations of motion and
+    /// the applied forces q.
     pub lambda: Vec<Scalar<'g>>,
     /// Prescribed accelerations of the driven coordinates.
     pub driven: Vec<Scalar<'g>>,

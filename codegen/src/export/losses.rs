@@ -5,7 +5,7 @@ use super::format::Format;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 
 /// Text about lost torque–speed lines of motors.
-pub(super) const LINE: &str = "has no torque–speed lines of motors; they are omitted at";
+pub(super) const LINE: &str = "has no torque–speed lines of motors. They are omitted at";
 
 /// Effect of lost parts on the exported robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,7 +80,7 @@ impl Losses {
         notes.extend(difference.map(|difference| {
             let causes = match causes.is_empty() {
                 true if is_refused => "other programs reject it as well".to_owned(),
-                true => "the cause is unknown; please report it".to_owned(),
+                true => "the cause is unknown. Please report it".to_owned(),
                 false => causes.iter().map(says).collect::<Vec<_>>().join("; "),
             };
             Diagnostic::warning(

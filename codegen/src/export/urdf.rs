@@ -16,14 +16,14 @@ const UNLIMITED: f64 = 1e31;
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 const ROTOR: &str =
-    "has no rotors and gears; M lacks the rotor inertia, and inputs act at the joints, for the drives";
-const IDEAL: &str = "cannot mark a joint without a drive; most readers assume a drive at";
+    "has no rotors and gears. M lacks the rotor inertia, and inputs act at the joints, for the drives";
+const IDEAL: &str = "cannot mark a joint without a drive. Most readers assume a drive at";
 const OTHER_FRICTION: &str =
-    "has only viscous and dry friction; other laws (Stribeck, tanh, position) are omitted at";
+    "has only viscous and dry friction. Other laws (Stribeck, tanh, position) are omitted at";
 const SPHERICAL: &str =
-    "has the type `spherical` only as an extension; urdfdom and Pinocchio reject the whole file because of";
+    "has the type `spherical` only as an extension. urdfdom and Pinocchio reject the whole file because of";
 const SEVERAL: &str =
-    "supports joints that follow one joint; these follow several and move freely in the file";
+    "supports joints that follow one joint. These follow several and move freely in the file";
 
 struct Writer<'m> {
     model: &'m Model,
@@ -199,11 +199,11 @@ impl Writer<'_> {
         let limits = &joint.limits;
         for (is_lost, what) in [
             (friction.has_others, OTHER_FRICTION),
-            (!joint.load_friction.is_empty(), "has no load-dependent friction; it is omitted at"),
-            (!joint.springs.is_empty(), "has no springs; they are omitted at"),
+            (!joint.load_friction.is_empty(), "has no load-dependent friction. It is omitted at"),
+            (!joint.springs.is_empty(), "has no springs. They are omitted at"),
             (
                 limits.effort.is_some() && limits.peak_effort.is_some(),
-                "has one force limit per joint; the nominal limit is omitted and the peak limit written at",
+                "has one force limit per joint. The nominal limit is omitted and the peak limit written at",
             ),
         ] {
             if is_lost {
@@ -215,12 +215,12 @@ impl Writer<'_> {
     fn quaternion_losses(&mut self, part: &Joint) {
         if !part.friction.is_empty() || !part.springs.is_empty() {
             self.losses.add(
-                "has no friction or dampers at joints with a quaternion; they are omitted at",
+                "has no friction or dampers at joints with a quaternion. They are omitted at",
                 &part.name,
             );
         }
         if part.limits != Limits::default() {
-            self.losses.add("has no limits at joints with a quaternion; they are omitted at", &part.name);
+            self.losses.add("has no limits at joints with a quaternion. They are omitted at", &part.name);
         }
     }
 
@@ -245,7 +245,7 @@ impl Writer<'_> {
         let name = distinct(&frame.name, |name| self.links.iter().any(|link| link == name));
         if name != frame.name {
             self.losses.add(
-                "has links instead of frames; a link has the same name, so another name is used for",
+                "has links instead of frames. A link has the same name, so another name is used for",
                 &frame.name,
             );
         }
@@ -262,10 +262,10 @@ impl Writer<'_> {
         let model = self.model;
         let losses = &mut self.losses;
         if self.values.numbers(&model.gravity) != GRAVITY {
-            losses.add("has no gravity; readers assume (0, 0, -9.81) instead of the gravity of", &model.name);
+            losses.add("has no gravity. Readers assume (0, 0, -9.81) instead of the gravity of", &model.name);
         }
         for parameter in &model.parameters {
-            losses.add("has no free parameters; the described values are written for", &parameter.name);
+            losses.add("has no free parameters. The described values are written for", &parameter.name);
         }
         for drive in &model.drives {
             let has_gear = self.values.number(&drive.gear_ratio) != 1.0;
@@ -273,7 +273,7 @@ impl Writer<'_> {
                 losses.of_robot(ROTOR, &drive.name);
             }
             if drive.acts_on.len() > 1 {
-                losses.add("has no drives that act on several joints; they are omitted", &drive.name);
+                losses.add("has no drives that act on several joints. They are omitted", &drive.name);
             } else if drive.line.is_some() {
                 losses.add(LINE, &drive.name);
             }
@@ -285,13 +285,13 @@ impl Writer<'_> {
             }
         }
         for force in &model.point_forces {
-            losses.add("has no forces between frames; they are omitted", &force.name);
+            losses.add("has no forces between frames. They are omitted", &force.name);
         }
         for input in &model.force_inputs {
-            losses.add("has no inputs at frames; they are omitted", &input.name);
+            losses.add("has no inputs at frames. They are omitted", &input.name);
         }
         for wrench in &model.wrenches {
-            losses.add("has no wrenches at frames; they are omitted", &wrench.name);
+            losses.add("has no wrenches at frames. They are omitted", &wrench.name);
         }
     }
 }

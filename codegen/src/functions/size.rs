@@ -179,7 +179,7 @@ pub(super) fn note(model: &Model, left_out: &[TooLarge], callers: &str, most: us
     let listed: Vec<String> = listed.collect();
     let needed = left_out.iter().map(TooLarge::limit_needed).max().unwrap_or(most);
     let message = format!(
-        "{} joints make these functions larger than the limit of {most} operations, so they are omitted: {}{callers}",
+        "these functions are omitted, because with {} joints they exceed the limit of {most} operations: {}{callers}",
         model.coordinates.len(),
         listed.join(", "),
     );

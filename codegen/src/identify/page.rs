@@ -14,9 +14,10 @@ use super::terms;
 /// Largest number of drawn points of a curve. If a curve has more points, only every k-th point is drawn.
 const MOST_POINTS: usize = 1500;
 /// Explanation in the report page of the rows of equations, if shafts of drives replace joints in the fit.
-const SHAFTS: &str = "Efforts at the joints are $\\tau = W(y,\\dot y,\\ddot y)\\,\\pi + \\tau_F(\\dot y) + c$: inertial parameters $\\pi$, \
-     friction $\\tau_F$ and offsets $c$ in one weighted fit. Each drive that acts on several joints has a separate row with the name of \
-     the drive. Torque, position and speed in this row are those of the motor's shaft.";
+const SHAFTS: &str = "Efforts at the joints are $\\tau = W(y,\\dot y,\\ddot y)\\,\\pi + \\tau_F(\\dot y) + c$: inertial \
+                      parameters $\\pi$, friction $\\tau_F$ and offsets $c$ in one weighted fit. Each drive that acts on several \
+                      joints has a separate row with the name of the drive. Torque, position and speed in this row are those of \
+                      the motor's shaft.";
 /// Number of points of a friction curve in the report page.
 const CURVE: usize = 200;
 
@@ -83,9 +84,9 @@ pub fn law(found: &Identification, joint: usize) -> String {
 fn summary(found: &Identification) -> Section {
     let mut table = Table::new(
         "joints",
-        "Held-out: each contiguous fold of the data is predicted by the fit to the other folds. $R^2$ is centred. Samples at \
-         which a joint rests are left out: dry friction can have any value up to the static friction. The column 'with \
-         rest' includes these samples. Predictions are those of the written description, without offsets of single runs.",
+        "Held-out: each contiguous part of the data is predicted by the fit to the other parts. $R^2$ is centred. Samples at \
+         which a joint rests are left out, because dry friction can have any value up to the static friction. The column 'with \
+         rest' includes these samples. Predictions use the written description, without offsets of single runs.",
     )
     .column(rows_are(found), "joint", "")
     .column("$R^2$ held-out", "r_squared_held_out", "")
@@ -140,8 +141,8 @@ pub fn is_judged(joint: &JointEstimate) -> bool {
 fn friction(found: &Identification, units: &[&str]) -> Section {
     let words = match found.runs.is_empty() {
         true => {
-            "The lines are the written friction laws. Moments do not contain samples, so there are no measured points, \
-             efforts and residuals."
+            "The lines are the written friction laws. Files of moments do not contain samples, so measured points, efforts and \
+             residuals are missing."
         }
         false => {
             "Points: measured effort minus the effort of the rigid bodies, the offset, and load-dependent friction if it \

@@ -16,8 +16,8 @@ const DIGITS: usize = 4;
 pub(super) fn table(found: &Identification) -> Table {
     let mut table = Table::new(
         "friction_terms",
-        "Candidate terms of the friction laws. Terms that were not chosen have no coefficient. The probability of a term is \
-         the total weight of the subsets that contain the term, by the Bayesian information criterion.",
+        "Candidate terms of the friction laws. Terms that were not chosen have no coefficient. The probability of a term is the \
+         total weight of the subsets with this term, by the Bayesian information criterion.",
     )
     .columns(&["joint", "term", "coefficient", "lowest", "highest", "probability"]);
     for joint in &found.friction {

@@ -68,8 +68,8 @@ pub struct Body<S> {
     pub offset: Angle,
     /// Moments of mass of the body, in this body's unit of length.
     pub moments: MassMoments<S>,
-    /// Unit of length (m) for the forces, accelerations and masses of this body, and for the translations of
-    /// its children.
+    /// Unit of length, in metres. The forces, accelerations and moments of mass of this body and the
+    /// translations of its children are expressed in this unit.
     pub length_unit: f64,
     /// The parent's unit of length divided by this body's unit; 1 if the base carries the joint.
     pub unit_ratio: f64,

@@ -51,8 +51,8 @@ pub(super) fn warn(
         format!("`{name}` has a dead centre {range}, at {places}, where its force on the joint is 0");
     report.push(Some(limits.map_or(force.name.span, |limits| limits.span)), DEAD_CENTRE.found(message));
     report.help(
-        "at a dead centre the force changes its sign, and no controller can hold the joint: narrow \
-                 the joint's `position` to one side, or move a frame",
+        "at a dead centre the force changes its sign, and no controller can hold the joint. Narrow the joint's `position` to one \
+         side, or move a frame",
     );
 }
 

@@ -50,12 +50,12 @@ pub(super) fn note(robot: &RobotDescription, model: &Model, report: &mut Report)
     };
     let last = pair.map_or(drives.len() - 1, |(_, b)| b);
     let message = format!(
-        "{who}: forces at the joints do not determine the torques of these drives, so the input matrix B has no left inverse"
+        "{who}. Forces at the joints do not determine the torques of these drives, so the input matrix B has no left inverse"
     );
     report.push(Some(place(robot, drives[last])), DRIVES_ALIKE.found(message));
     report.help(
-        "a differential has weights of opposite signs (`on = { pitch = 1, roll = -1 }`); a joint \
-                 moved by `[[drives]]` needs no key `drive`",
+        "a differential has weights of opposite signs, as in `on = { pitch = 1, roll = -1 }`. A joint moved by `[[drives]]` needs \
+         no key `drive`",
     );
 }
 

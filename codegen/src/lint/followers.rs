@@ -42,14 +42,13 @@ fn note_stillness(
     }
     let (name, carrying) = (&joint.name, &carrying.name);
     let message = format!(
-        "joint `{name}` is carried by `{carrying}` and cancels its motion: the link of `{name}` does not \
-         move relative to the link that carries `{carrying}`"
+        "joint `{name}` cancels the motion of `{carrying}`, which carries it. The link of `{name}` does not move relative to the \
+         link that carries `{carrying}`"
     );
     let Some(described) = robot.joints.iter().find(|described| described.name.value == *name) else { return };
     report.push(Some(described.name.span), STANDS_STILL.found(message));
     report.help(
-        "a joint without `parent` is carried by the previous joint; give the second finger of a \
-                 gripper the `parent` of the first",
+        "a joint without `parent` is carried by the previous joint. Give the second finger of a gripper the `parent` of the first",
     );
 }
 

@@ -51,7 +51,7 @@ pub(super) fn refuse_on_driven(name: &Name, model: &Model, report: &mut Report) 
     let message = format!("input `{}` moves nothing: it acts only on the driven joints {driven}", name.value);
     report.error(name.span, MOVES_NOTHING.code, message);
     report.help(
-        "no input changes the motion of a driven joint: remove the input, or remove `motion` from the joint",
+        "no input changes the motion of a driven joint. Remove the input, or remove `motion` from the joint",
     );
 }
 
@@ -77,8 +77,8 @@ fn check_levers(
     let name = &input.name.value;
     let message =
         format!("input `{name}` moves nothing: its wrench at `{frame}` does no work along any joint");
-    let help = "a force moves a revolute joint if its line misses the axis, and a prismatic joint if it has \
-                a component along the axis; a moment needs a component along a revolute axis";
+    let help = "a force moves a revolute joint if its line misses the axis, and a prismatic joint if it has a component along the \
+                axis. A moment needs a component along a revolute axis";
     if acts(&others) {
         let message = format!("{message} at the described values of the free parameters");
         report.push(Some(input.wrench.span), MOVES_NOTHING.found(message));

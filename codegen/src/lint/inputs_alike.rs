@@ -45,8 +45,8 @@ fn are_parallel(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
 
 fn note_inputs(robot: &RobotDescription, [first, second]: [&str; 2], report: &mut Report) {
     let message = format!(
-        "inputs `{first}` and `{second}` have the same effect at every position, so forces at the joints do \
-         not determine the inputs, and the input matrix B has no left inverse"
+        "inputs `{first}` and `{second}` have the same effect at every position. Therefore forces at the joints do not determine \
+         the inputs, and the input matrix B has no left inverse"
     );
     report.push(Some(place(robot, second)), INPUTS_ALIKE.found(message));
     report.help("describe parallel cylinders as one input with the sum of their limits, unless each is commanded separately");

@@ -44,8 +44,7 @@ fn report_indefinite(
     report: &mut Report,
 ) {
     let message = format!(
-        "the mass matrix is not positive definite at {} of {STATES} pseudo-random states: a force can accelerate \
-         {} against its direction",
+        "the mass matrix is not positive definite at {} of {STATES} pseudo-random states. A force can accelerate {} against its direction",
         pivots.indefinite_states,
         list(joints.iter().map(|joint| joint.name.as_str())),
     );
@@ -55,8 +54,8 @@ fn report_indefinite(
     }
     report.error(span, INDEFINITE.code, message);
     report.help(
-        "correct the bodies that these joints move, or accept the model: `--accept-unphysical`, or \
-         `accept_unphysical = true` at the top of a TOML file",
+        "correct the bodies that these joints move, or accept the model by `--accept-unphysical`, or by `accept_unphysical = \
+         true` at the top of a TOML file",
     );
 }
 

@@ -48,8 +48,8 @@ fn narrow_by_motor(name: &str, speed: &At<f64>, model: &mut Model, report: &mut 
         let message = format!("motor `{name}` has a speed limit, but its ratio is a free parameter");
         report.error(speed.span, "speed-of-free-ratio", message);
         report.help(
-            "a motor's speed limit becomes that of a joint only with a known ratio: give \
-                     the ratio as a number, or limit the joint's `velocity`",
+            "give the ratio as a number, or limit the joint's `velocity`. A motor's speed limit becomes that of a joint only with \
+             a known ratio",
         );
         return;
     };
@@ -141,8 +141,7 @@ impl Path {
                 format!("`{name}` has a `stroke` or `speed`, but its length depends on free parameters");
             report.error(span, "length-of-parameters", message);
             report.help(
-                "`stroke` and `speed` need known places of the frames: give the parameters as numbers, or \
-                         remove both keys and limit the joint by `position` and `velocity`",
+                "give the parameters as numbers, or remove both keys and limit the joint by `position` and `velocity`",
             );
             return None;
         }
@@ -152,7 +151,7 @@ impl Path {
                 format!("`{name}` has a `stroke` or `speed`, but joint `{joint}` has no `position` limits");
             report.error(span, "length-without-range", message);
             report.help(
-                "give the joint `position` limits within which the length is monotonic; the stroke then narrows these limits",
+                "give the joint `position` limits within which the length is monotonic. The stroke then narrows these limits",
             );
             return None;
         };
@@ -160,8 +159,8 @@ impl Path {
     }
 }
 
-const HELP_JOINTS: &str = "`stroke` and `speed` need a length that changes with a single joint: remove both, and limit \
-                           the joints by `position` and `velocity`";
+const HELP_JOINTS: &str = "`stroke` and `speed` need a length that changes with a single joint. Remove both, and limit the joints \
+                           by `position` and `velocity`";
 
 /// Whether the distance of the frames depends on free parameters.
 fn depends_on_parameters(model: &Model, between: &[Attachment; 2]) -> bool {
@@ -227,8 +226,7 @@ fn allowed(
         let message = format!("the length of `{name}` has an extremum within the limits of joint `{joint}`");
         report.error(stroke.span, "length-turns-back", message);
         report.help(
-            "a stroke requires a joint range in which the length is monotonic: narrow the joint's \
-                     `position` to one side",
+            "a stroke requires a joint range in which the length is monotonic. Narrow the joint's `position` to one side",
         );
         return None;
     }
@@ -243,7 +241,7 @@ fn allowed(
             as_written(longest)
         );
         report.error(stroke.span, "limits-exclude", message);
-        report.help("no position satisfies all limits: correct the stroke, the places of the frames or the joint limits");
+        report.help("no position satisfies all limits. Correct the stroke, the places of the frames or the joint limits");
         return None;
     }
     let is_within = |position: &f64| (shortest..=longest).contains(&length(*position));

@@ -26,7 +26,7 @@ pub(super) fn warn(robot: &RobotDescription, model: &Model, report: &mut Report)
         let entries: Vec<String> =
             entries.map(|(joint, entry)| format!("{} at `{}`", three_digits(*entry), joint.name)).collect();
         let message = format!(
-            "a rotor of {} kg m² was skipped because {}: the mass matrix M lacks i² J = {} kg m²{}",
+            "a rotor of {} kg m² was skipped because {}. The mass matrix M lacks i² J = {} kg m²{}",
             as_written(inertia),
             match (rotor.joints.len(), rotor.ratios.len()) {
                 (1, 1) => "its joint is not a coordinate with one position",
@@ -38,7 +38,7 @@ pub(super) fn warn(robot: &RobotDescription, model: &Model, report: &mut Report)
             if entries.is_empty() {
                 String::new()
             } else {
-                format!("; without it, the diagonal of M is {}", listed(entries.into_iter()))
+                format!(". Without it, the diagonal of M is {}", listed(entries.into_iter()))
             },
         );
         report.push(Some(rotor.inertia.span), SKIPPED.found(message));

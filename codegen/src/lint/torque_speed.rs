@@ -64,8 +64,7 @@ fn doubt_limits(name: &str, motor: &DriveDescription, report: &mut Report) {
     if let Some(torque) = beyond(motor.torque.nominal) {
         report.push(Some(*span), BEYOND_STALL.found(told("", torque)));
         report.help(
-            "`torque` and `stall_torque` are torques at the motor's shaft; only a braking motor \
-                     exceeds its stall torque",
+            "`torque` and `stall_torque` are torques at the motor's shaft. Only a braking motor exceeds its stall torque",
         );
     } else if let Some(torque) = beyond(motor.torque.peak) {
         report.note(Some(*span), BEYOND_STALL.code, told("peak ", torque));
@@ -79,10 +78,7 @@ fn doubt_limits(name: &str, motor: &DriveDescription, report: &mut Report) {
             "motor `{name}` has no torque at its `no_load_speed` of {free} rad/s, but its `speed` allows {most} rad/s"
         );
         report.push(Some(speed.span), BEYOND_SPEED.found(message));
-        report.help(
-            "above its no-load speed a motor only brakes and needs another source of motion; both \
-                     values are in rad/s at the shaft",
-        );
+        report.help("above its no-load speed, a motor only brakes. Both values are in rad/s at the shaft");
     }
 }
 
@@ -102,8 +98,7 @@ fn note_effort(name: &str, drive: &Drive, model: &Model, span: Span, report: &mu
         );
         report.note(Some(span), BEYOND_STALL.code, message);
         report.help(
-            "`effort` is at the joint, `stall_torque` at the motor; `stall_torque` times the gear \
-                     ratio is the tighter limit",
+            "`effort` is at the joint, `stall_torque` at the motor. `stall_torque` times the gear ratio is the tighter limit",
         );
     }
 }
@@ -116,10 +111,7 @@ fn has_known_ratio(drive: &Drive) -> bool {
 fn refuse_free_ratio(name: &str, motor: &DriveDescription, report: &mut Report) {
     let message = format!("motor `{name}` has a torque–speed line, but its ratio is a free parameter");
     report.error(motor.gear_ratio.span, "torque-speed-line", message);
-    report.help(
-        "a torque–speed line needs a known ratio: give the ratio as a number, or add \
-                 `MpcRow::torque_speed_line` to the controller",
-    );
+    report.help("give the ratio as a number, or add `MpcRow::torque_speed_line` to the controller");
 }
 
 fn refuse_driven(name: &str, span: Span, report: &mut Report) {
@@ -128,7 +120,7 @@ fn refuse_driven(name: &str, span: Span, report: &mut Report) {
     );
     report.error(span, "torque-speed-line", message);
     report.help(
-        "the torque limit would depend on the prescribed motion, which controller rows do not \
-                 contain: remove `stall_torque` and `no_load_speed`, and limit `torque`",
+        "controllers cannot enforce a torque limit that depends on a prescribed motion. Remove `stall_torque` and \
+         `no_load_speed`, and limit `torque`",
     );
 }

@@ -110,13 +110,14 @@ fn list(modules: &[(String, PathBuf)]) -> String {
     let named = modules.iter();
     let named = named.map(|(name, from)| format!("`{name}` from {}", from.display()));
     let known = format!(
-        "`, but {}. A module has its robot's name: the key `name` in a TOML file, or <robot name=\"...\"> in a URDF. Write \
-         that name in `include_model!(mod ...)`, or rename the robot",
+        "`, but {}. A module has the name of its robot, which is `name` in a TOML file and <robot name=\"...\"> in a URDF. Write \
+         this name in `include_model!(mod ...)`, or rename the robot",
         named.collect::<Vec<_>>().join(", ")
     );
     format!(
-        "{}\n\n#[doc(hidden)]\n#[allow(unused_macro_rules)]\nmacro_rules! gelenk_module {{\n{arms}    ($other:ident) => {{\n        compile_error!(concat!(\n            \
-         \"the build script generates no robot `\",\n            stringify!($other),\n            {known:?}\n        ));\n    }};\n}}\n",
+        "{}\n\n#[doc(hidden)]\n#[allow(unused_macro_rules)]\nmacro_rules! gelenk_module {{\n{arms}    ($other:ident) => \
+         {{\n        compile_error!(concat!(\n            \"the build script generates no robot `\",\n            \
+         stringify!($other),\n            {known:?}\n        ));\n    }};\n}}\n",
         header()
     )
 }

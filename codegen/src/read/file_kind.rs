@@ -5,7 +5,7 @@ use std::path::Path;
 /// Message about a file that is not a description, and help text.
 pub(super) type Foreign = (String, &'static str);
 
-const MESH: &str = "a mesh has no joints: give the URDF that uses it, or describe the robot in TOML";
+const MESH: &str = "a mesh has no joints. Give the URDF that uses it, or describe the robot in TOML";
 const IMAGE: &str = "give a TOML, URDF or MJCF file";
 const CONVERT: &str = "convert it to URDF first, or describe the robot in TOML";
 const UTF_8: &str = "descriptions are UTF-8 text: save the file as UTF-8";

@@ -35,7 +35,7 @@ pub(super) fn free(robot: &mut RobotDescription, report: &mut Report) {
         let message = format!("the floating base has no velocity `{}`", velocity.name.value);
         report.error(velocity.name.span, "unknown-joint", message);
         report.help(
-            "names of the base's velocities begin with the name of its floating joint; a new joint needs `parent`",
+            "names of the base's velocities begin with the name of its floating joint. A new joint needs `parent`",
         );
     }
 }
@@ -176,7 +176,7 @@ fn report_bolted(robot: &RobotDescription, ground: &str, span: Span, report: &mu
     report.help(match robot.is_mjcf {
         true => format!("add <freejoint/> to body {link}, or leave the base fixed"),
         false => format!(
-            "remove this joint and the link `{ground}`, so that {link} is the base; or leave the base fixed"
+            "remove this joint and the link `{ground}`, so that {link} is the base. Or leave the base fixed"
         ),
     });
 }

@@ -240,8 +240,7 @@ fn note_followers(robot: &RobotDescription, report: &mut Report) {
     let message = format!("these joints still follow other joints, because `follows` is given: {names}");
     report.note(Some(first.span), "mimic-not-ignored", message);
     report.help(
-        "`--ignore-mimic` frees joints with <mimic> in a URDF and joints of equalities in an MJCF; \
-                 remove `follows` to free other joints",
+        "`--ignore-mimic` frees joints with <mimic> in a URDF and joints of equalities in an MJCF. Remove `follows` to free other joints",
     );
 }
 

@@ -32,8 +32,8 @@ pub(super) fn section(robot: &Robot<'_>) -> Result<Option<Section>, ReportError>
     if robot.has_load_friction() {
         section = section
             .block(text(
-                "Load-dependent friction adds $|\\tau_l| \\, \\sigma(y, \\dot y)$ to these laws; the load \
-                 $\\tau_l$ is the drive's force without friction (Hamon, Gautier and Garrec 2010).",
+                "Load-dependent friction adds $|\\tau_l| \\, \\sigma(y, \\dot y)$ to these laws. The load $\\tau_l$ is the \
+                 drive's force without friction (Hamon, Gautier and Garrec 2010).",
             ))
             .block(equations::set(&load_friction_laws(robot)));
     }

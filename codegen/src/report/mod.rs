@@ -184,11 +184,10 @@ fn structure_section(robot: &Robot<'_>) -> Section {
 fn self_check_section(robot: &Robot<'_>) -> Section {
     Section::new("self-check", "Self-check")
         .block(text(&format!(
-            "The generated functions are interpreted at seeded states within the limits and compared with \
-             independently derived Newton–Euler equations of the described bodies; derivatives are compared \
-             with dual numbers. The bound for rounding errors is 1e-9 of the largest entry, or 1e-12 of the terms \
-             of a sum that cancel; for functions that divide by M, the bound is multiplied by the condition number of M. The mass \
-             matrix is examined at {} states.",
+            "The generated functions are compared with independently derived Newton–Euler equations of the described bodies, at \
+             pseudo-random states within the limits. Derivatives are compared with dual numbers. The bound for rounding errors is \
+             1e-9 of the largest entry, or 1e-12 of the terms of a sum that cancel. For functions that divide by M, the bound is \
+             multiplied by the condition number of M. The mass matrix is examined at {} states.",
             self_check::STATES
         )))
         .block(Block::Claims(self_check::claims(robot)))
@@ -403,8 +402,15 @@ mod tests {
     #[test]
     fn no_text_of_a_description_becomes_markup() {
         let hostile = ARM
-            .replace("[[joints]]\n        name = \"lift\"", "description = \"</script><script>alert(1)</script> $x^$ `\"\n[[joints]]\n        name = \"lift\"")
-            .replace("link = \"lift\"\n        mass = 2", "name = \"<img src=x onerror=alert(1)>\"\n link = \"lift\"\n mass = 2");
+            .replace(
+                "[[joints]]\n        name = \"lift\"",
+                "description = \"</script><script>alert(1)</script> $x^$ \
+                                                             `\"\n[[joints]]\n        name = \"lift\"",
+            )
+            .replace(
+                "link = \"lift\"\n        mass = 2",
+                "name = \"<img src=x onerror=alert(1)>\"\n link = \"lift\"\n mass = 2",
+            );
         let (model, functions) = arm(&hostile);
         let contents = Contents {
             model: &model,

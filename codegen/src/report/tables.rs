@@ -218,8 +218,8 @@ pub(super) fn dependent(robot: &Robot<'_>) -> Option<Table> {
     }
     let table = Table::new(
         "dependent-limits",
-        "Limits of joints that follow others, and of motors that move several joints, in rad and rad/s; in \
-         m and m/s for prismatic joints.",
+        "Limits of joints that follow others, and of motors that move several joints, in rad and rad/s, or in m and m/s for \
+         prismatic joints.",
     )
     .column("joint or drive", "name", "")
     .column("its position", "position", "")

@@ -210,7 +210,7 @@ fn a_plan_begins_where_the_robot_stands() {
     }
     for (start, reason) in [
         ("shoulder=0.3", "add the positions of elbow"),
-        ("shoulder=0.3,wrist=1", "there is no joint 'wrist'; the joints are shoulder, elbow"),
+        ("shoulder=0.3,wrist=1", "there is no joint 'wrist'. The joints are shoulder, elbow"),
         ("shoulder=0.3,elbow=up", "'elbow=up' needs a number"),
         ("shoulder=1,shoulder=2", "joint shoulder is given twice"),
         ("shoulder=99,elbow=0", "start of joint shoulder = 99 is not possible"),
@@ -255,7 +255,7 @@ fn a_planned_motion_identifies_what_a_simulated_arm_is() {
     for text in [fs::read_to_string(at("half.toml")).unwrap(), String::from_utf8(half.stdout).unwrap()] {
         assert!(text.contains("its effort is 0 in every row from row 2 on"), "{text}");
         assert!(
-            text.contains("it has no measured effort, or only currents while it rests: its friction, drive and offset stay as described"),
+            text.contains("it has no measured effort, or only currents while it rests. Its friction, drive and offset stay as described"),
             "{text}"
         );
     }
@@ -391,7 +391,7 @@ fn logs_reduce_to_moments_and_moments_to_a_description() {
         assert!(joint["r_squared_held_out"].as_f64().unwrap() > 0.99, "{result:#}");
     }
     let page = String::from_utf8(bytes("page/index.html")).unwrap();
-    assert!(page.contains("Moments do not contain samples") && !page.contains("NaN"));
+    assert!(page.contains("Files of moments do not contain samples") && !page.contains("NaN"));
     // The description is one: it reads, and says what the arm is.
     let [before, after] = torques_off(folder.path(), [1.0, 1.5, 3.0]);
     assert!(before > 2.0 && after < 0.3);

@@ -103,7 +103,7 @@ fn a_new_crate_is_not_made_of_an_mjcf_that_it_cannot_move_or_hold() {
             free,
             "has no motor at `el\"bow`, but the program of a new project needs a motor for each joint of a robot with a floating base",
         ),
-        (outside, "which cannot keep its relative path in the new project"),
+        (outside, "whose relative path does not fit into the new project"),
         (taken, "the MJCF includes build.rs, but a file of the project has the same name"),
     ] {
         fs::write(folder.path().join("robots/arm.xml"), text).unwrap();

@@ -46,7 +46,7 @@ fn lost_bits_of_an_effort_are_left_out_and_said() {
     });
     let done = arm.run(&["arm.toml", "spike.csv", "--effort", "joint", "--output", "found.toml"]);
     let text = String::from_utf8(done.stdout).unwrap();
-    let said = "row 702: column `effort_lift` has 1 effort far beyond all others, -999999; it is left out";
+    let said = "row 702: column `effort_lift` has 1 effort far beyond all others, -999999. It is left out";
     assert!(done.status.success() && text.contains(said), "{text}");
 }
 

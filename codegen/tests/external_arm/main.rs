@@ -313,7 +313,7 @@ fn terms_are_chosen_by_the_method_that_is_named() {
     let methods = [
         ("subset", "the best subset of terms was chosen by "),
         ("stls", "sequentially thresholded least squares (threshold 0.1, "),
-        ("lasso", "LASSO chose the terms with "),
+        ("lasso", "LASSO chose the terms by cross-validation with "),
         ("all", "least squares fitted all terms"),
     ];
     for (method, words) in methods {
@@ -397,7 +397,7 @@ fn efforts_that_come_early_are_moved() {
     arm.record_as("arm.toml", "log.csv", Recorded { delay: -0.05, ..RIGHT });
     let done = arm.run(&["arm.toml", "log.csv", "--output", "found.toml"]);
     assert!(
-        String::from_utf8(done.stdout).unwrap().contains("ms before the positions; this delay is removed")
+        String::from_utf8(done.stdout).unwrap().contains("ms before the positions. This delay is removed")
     );
     // If it is stated wrong, the remedy is named.
     let said = arm.identify(&["log.csv", "--delay", "0", "--output", "found.toml"]);

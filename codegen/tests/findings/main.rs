@@ -45,7 +45,7 @@ fn is_progress(line: &str) -> bool {
         "smoothing",
         "choosing the friction terms",
         "comparing the logs",
-        "The regressor is",
+        "The equations of motion are",
         "Friction terms",
         "Outliers",
         "Intervals are",

@@ -138,7 +138,7 @@ fn broken() -> Vec<(String, &'static str, &'static [&'static str])> {
         (
             changed(100, "0,0,0,0"),
             "",
-            &["log.csv, row 101", "is zero, so that it is not an orientation", "remove the rows"],
+            &["log.csv, row 101", "is zero, so it is not an orientation", "Remove the rows"],
         ),
         (changed(7, "3,40,2,1"), "", &["row 8", "has the length 40.1", "The columns may be angles"]),
         (
@@ -155,7 +155,7 @@ fn broken() -> Vec<(String, &'static str, &'static [&'static str])> {
         (
             renamed("q_base_qx", "q_base_qx [deg]"),
             "",
-            &["`q_base_qx [deg]` has a unit, but it would be an entry of a quaternion, which has no unit"],
+            &["`q_base_qx [deg]` has a unit, but entries of a quaternion have none"],
         ),
         (
             renamed("q_base_x", "q_base_x [rad]"),
@@ -168,12 +168,12 @@ fn broken() -> Vec<(String, &'static str, &'static [&'static str])> {
         (
             good.clone(),
             "torque=9..12",
-            &["inputs of this robot act at frames (front_right, rear_left", "'input=…'"],
+            &["inputs of this robot act at frames: front_right, rear_left", "'input=…'"],
         ),
         (
             good.clone(),
             "current=9..12",
-            &["the robot has joints with quaternions, for which currents are not supported"],
+            &["currents are not supported for robots with spherical or floating joints"],
         ),
         (renamed("u_front_left", "other"), "", &["the log has no column for the", "front_left"]),
         (log(HEADERS[1], &flight), "xyzw=pose.orientation.x|nothing", &["no column has this name"]),

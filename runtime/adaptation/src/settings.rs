@@ -95,7 +95,7 @@ fn require(name: &'static str, value: f64, needed: &'static str, holds: bool) ->
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum AdaptationError {
     /// A setting is out of range.
-    #[error("setting {name} of the adaptation is {value}; it must be {needed}")]
+    #[error("setting {name} of the adaptation is {value}, but must be {needed}")]
     Setting {
         /// Name of the setting.
         name: &'static str,

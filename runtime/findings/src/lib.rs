@@ -205,7 +205,8 @@ impl Finding {
         self.of(Subject::Joint(name.into()))
     }
 
-    /// Sets the log and its rows.
+    /// Sets the log that the finding is about. `rows`: first and last row, as line numbers of the file from 1; `None` for the
+    /// whole log.
     #[must_use]
     pub fn log(mut self, log: impl Into<String>, rows: Option<(usize, usize)>) -> Self {
         (self.about.log, self.about.rows) = (Some(log.into()), rows);

@@ -22,8 +22,8 @@ pub enum IdentificationError {
     },
     /// A value that must be a number is NaN or infinite.
     #[error(
-        "{what} is not finite ({value}) at row {row} (counted from 0), and {count} of {samples} values are not finite: \
-         remove these rows or repair the log"
+        "{what} is not finite ({value}) at row {row} (counted from 0), and {count} of {samples} values are not finite. Remove \
+         these rows or repair the log"
     )]
     NotFinite {
         /// Name of the column or channel.
@@ -38,7 +38,7 @@ pub enum IdentificationError {
         samples: usize,
     },
     /// Finite samples are so large that their squares overflow.
-    #[error("{what} has values up to {}, whose squares overflow: convert it to SI units", plain(*.largest, 3))]
+    #[error("{what} has values up to {}, whose squares overflow. Convert it to SI units", plain(*.largest, 3))]
     Overflow {
         /// Name of the column or channel.
         what: String,
@@ -83,8 +83,8 @@ pub enum IdentificationError {
     },
     /// Columns of the library of friction terms are linearly dependent, exactly or nearly.
     #[error(
-        "the terms {} are collinear on these data: the condition number of the scaled terms is {}, above {limit:e}; \
-         remove one of these terms, or record a motion that excites the joint more", .terms.join(", "), plain(*.condition, 3)
+        "the data cannot distinguish the friction terms {}. The condition number of the scaled terms is {}, above {limit:e}. \
+         Remove one of these terms, or record a motion that excites the joint more", .terms.join(", "), plain(*.condition, 3)
     )]
     Collinear {
         /// Terms that are linearly dependent.
@@ -96,8 +96,8 @@ pub enum IdentificationError {
     },
     /// A quantity has the same value in all samples, although the identification needs its changes.
     #[error(
-        "{what} is constant ({value}) in all {samples} samples, so that nothing can be identified from it: record data \
-             in which it changes"
+        "{what} is constant ({value}) in all {samples} samples, so nothing can be identified from it. Record data in which \
+         it changes"
     )]
     Constant {
         /// Name of the constant quantity.
@@ -109,7 +109,7 @@ pub enum IdentificationError {
     },
     /// A column of the library is zero in all samples.
     #[error(
-        "the term {term} is zero in all {samples} samples, so that its coefficient cannot be identified: remove the term"
+        "the term {term} is zero in all {samples} samples, so its coefficient cannot be identified. Remove the term"
     )]
     ZeroColumn {
         /// The term whose column is zero.
@@ -119,7 +119,7 @@ pub enum IdentificationError {
     },
     /// No friction term remains, because the threshold of STLS (sequentially thresholded least squares) or
     /// the weight λ of the LASSO's penalty is too large.
-    #[error("{what} = {} removes every term: the largest value that keeps at least one term is {}", plain(*.value, 6), plain(*.largest, 6))]
+    #[error("{what} = {} removes every term. The largest value that keeps a term is {}", plain(*.value, 6), plain(*.largest, 6))]
     EverythingRemoved {
         /// Name of the setting: "threshold" (of STLS) or "lambda" (weight of the LASSO's penalty).
         what: String,
@@ -137,7 +137,7 @@ pub enum IdentificationError {
         message: String,
     },
     /// The log does not have a channel of this name.
-    #[error("there is no channel `{name}`; the channels are {}", .known.join(", "))]
+    #[error("there is no channel `{name}`. The channels are {}", .known.join(", "))]
     UnknownChannel {
         /// Name of the missing channel.
         name: String,

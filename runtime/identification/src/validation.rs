@@ -99,8 +99,8 @@ pub fn validate(
     {
         let r_squared = plain(*r_squared, 3);
         let message = format!(
-            "R² is {r_squared}: the efforts are farther from the prediction than from their mean. Check that robot, load and units \
-             are those of the fitted logs"
+            "the efforts are farther from the prediction than from their mean (R² is {r_squared}). Check that robot, load and \
+             units are those of the fitted logs"
         );
         say(&NOT_PREDICTED.found(message).of(rows.subject(joint)));
     }

@@ -40,8 +40,8 @@ pub enum ComputedTorqueError {
     /// The inputs cannot produce an arbitrary force at this joint. Computed torque needs a drive for every
     /// coordinate.
     #[error(
-        "the inputs cannot produce an arbitrary force at joint {}: computed torque needs a drive for every \
-         coordinate. Use `JointPd` instead",
+        "the inputs cannot produce an arbitrary force at joint {}. Computed torque needs a drive for every coordinate. Use \
+         `JointPd` instead",
         Named(.name)
     )]
     Underactuated {

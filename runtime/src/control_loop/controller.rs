@@ -72,19 +72,19 @@ pub enum ControllerFault {
     #[error("the measurement is invalid: {0}")]
     Attitude(AttitudeError),
     /// Too many periods passed since the last step, so the controller cannot predict the state.
-    #[error("{periods} periods passed since the last step, too many for a prediction")]
+    #[error("the state cannot be predicted, because {periods} periods passed since the last step")]
     Stalled {
         /// Number of periods since the last step.
         periods: u32,
     },
 }
 
-/// A joint that is too fast for the zero-order hold over a period. The product of the joint's rate ν and the
-/// period exceeds 2e7, see [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize).
+/// A joint whose dynamics are too fast for the zero-order hold, e.g. because of steep friction. The bound ν (1/s)
+/// on its fastest rate times the period exceeds 2e7, see [`Discretizable::discretize`](crate::dynamics::Discretizable::discretize).
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
-    "the motion of joint {} cannot be predicted over a period of {period} s: its force has a slope of {slope:.3e} N m \
-     s/rad (or N s/m) over its speed, a rate of {rate:.1e} 1/s. Use a model with less steep friction",
+    "the motion of joint {} cannot be predicted over a period of {period} s. The slope of its force over its speed, {slope:.3e} N \
+     m s/rad (or N s/m), causes a rate of {rate:.1e} 1/s. Use a model with less steep friction",
     Named(.name)
 )]
 pub struct TooFast {

@@ -20,7 +20,7 @@ pub enum EncoderFault {
     /// The position is further from the last accepted position than the joint can have moved.
     #[error(
         "the measured position of joint {} jumped by {distance:.4} rad (or m), but `guard.jump_speed` and \
-         `guard.jump_margin` allow {possible:.4} in this time: check its encoder",
+         `guard.jump_margin` allow {possible:.4} in this time. Check its encoder",
         Named(.name)
     )]
     Jump {
@@ -36,9 +36,8 @@ pub enum EncoderFault {
     /// The measured position remained constant while the desired position moved. Either the joint sticks, or the
     /// encoder fails.
     #[error(
-        "the measured position of joint {} did not change during {desired:.4} rad (or m) of desired motion, \
-         above the limit `guard.frozen_motion`: the joint sticks (friction, a brake, an input without effect), \
-         or its encoder fails",
+        "the measured position of joint {} did not change during {desired:.4} rad (or m) of desired motion, above the limit \
+         `guard.frozen_motion`. Check its encoder, its brake, and whether friction or an input without effect holds the joint",
         Named(.name)
     )]
     Frozen {
@@ -53,8 +52,7 @@ pub enum EncoderFault {
     /// Possible reasons are a wrong sign, unit or gear ratio, or a sensor that fails.
     #[error(
         "the measured velocity {measured:.4} rad/s (or m/s) of joint {} differs by {mismatch:.4} from the \
-         change of its position, above the limit {possible:.4} of `guard.velocity_mismatch`: check its sign \
-         and unit",
+         change of its position, above the limit {possible:.4} of `guard.velocity_mismatch`. Check its sign and unit",
         Named(.name)
     )]
     Velocity {
@@ -282,7 +280,7 @@ mod tests {
         assert_eq!(guard.check(&[1.0, 0.01], None, &[1.04, 0.01]), Ok(()));
         let fault = guard.check(&[1.0, 0.02], None, &[1.06, 0.02]).unwrap_err();
         assert!(matches!(fault, EncoderFault::Frozen { joint: 0, .. }));
-        assert!(fault.to_string().contains("the joint sticks"));
+        assert!(fault.to_string().contains("holds the joint"));
         // The desired motion is counted from the last change of the reading.
         guard.elapse(0.02);
         assert_eq!(guard.check(&[1.001, 0.03], None, &[1.07, 0.03]), Ok(()));

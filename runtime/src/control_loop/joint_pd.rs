@@ -184,7 +184,7 @@ mod tests {
         let error = JointPd::new(PowerCube, gains).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "setting gains.position[gamma] of the loop is NaN; it must be finite and not negative"
+            "setting gains.position[gamma] of the loop is NaN, but must be finite and not negative"
         );
     }
 }

@@ -145,10 +145,10 @@ mod tests {
     #[test]
     fn periods_and_time_constants_are_checked() {
         for (period, time_constant, message) in [
-            (0.0, 0.01, "setting period of the loop is 0; it must be positive and finite"),
-            (-0.02, 0.01, "setting period of the loop is -0.02; it must be positive and finite"),
-            (f64::INFINITY, 0.01, "setting period of the loop is inf; it must be positive and finite"),
-            (0.02, f64::NAN, "setting time_constant of the loop is NaN; it must be 0 to 60 s"),
+            (0.0, 0.01, "setting period of the loop is 0, but must be positive and finite"),
+            (-0.02, 0.01, "setting period of the loop is -0.02, but must be positive and finite"),
+            (f64::INFINITY, 0.01, "setting period of the loop is inf, but must be positive and finite"),
+            (0.02, f64::NAN, "setting time_constant of the loop is NaN, but must be 0 to 60 s"),
         ] {
             let error = controller(period, time_constant).unwrap_err();
             assert_eq!(error.to_string(), message);

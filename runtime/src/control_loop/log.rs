@@ -162,7 +162,7 @@ fn check_capacity(capacity: usize) -> io::Result<()> {
     }
     Err(io::Error::new(
         io::ErrorKind::InvalidInput,
-        format!("the log's capacity is {capacity} records; it must be 1 to {MAX_LOG_CAPACITY}"),
+        format!("the log's capacity is {capacity} records, but must be 1 to {MAX_LOG_CAPACITY}"),
     ))
 }
 

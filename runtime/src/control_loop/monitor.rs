@@ -55,7 +55,8 @@ impl fmt::Display for LimitFault {
         match self {
             Self::Position { name, position, stopping, limits: [low, high], setting, .. } => write!(
                 f,
-                "joint {} at {position:.4} can only stop at {stopping:.4}, outside the range {low:.4} to {high:.4} rad (or m) of `{setting}`",
+                "joint {} at {position:.4} can only stop at {stopping:.4}, outside the range {low:.4} to {high:.4} rad (or m) of \
+                 `{setting}`",
                 Named(name)
             ),
             Self::Speed { name, speed, limit, setting, .. } => write!(
@@ -65,10 +66,9 @@ impl fmt::Display for LimitFault {
             ),
             Self::FollowingError { name, error, limit, .. } => write!(
                 f,
-                "joint {} is {error:.4} rad (or m) away from its desired position, above the limit \
-                 {limit:.4} of `following_error`; right after the start check signs and order of inputs and \
-                 encoders; later check that inputs and soft limits allow the trajectory (`notes` of a \
-                 predictive controller, `limits::violations`)",
+                "joint {} is {error:.4} rad (or m) away from its desired position, above the limit {limit:.4} of \
+                 `following_error`. Right after the start, check signs and order of inputs and encoders. Later, check that inputs \
+                 and soft limits allow the trajectory: see `notes` of a predictive controller and `limits::violations`",
                 Named(name)
             ),
         }

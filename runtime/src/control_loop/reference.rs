@@ -1,4 +1,5 @@
-//! Time on the trajectory and controlled stop.
+//! Reference of the control loop: computes the time at which the trajectory is evaluated, and slows this time down during
+//! a controlled stop.
 
 use crate::trajectory::{Sample, Trajectory};
 

@@ -69,7 +69,7 @@ pub enum StopReason {
     #[error("{0}")]
     Limit(LimitFault),
     /// The program on the robot's side has restarted, or another controller is connected.
-    #[error("the robot's side restarted during the motion, or another controller is connected")]
+    #[error("the program at the robot restarted during the motion, or another controller is connected")]
     Restarted,
     /// The brakes were engaged, but not by this loop.
     #[error("the robot engaged its brakes by itself")]
@@ -93,7 +93,7 @@ pub enum Refusal {
     Limit(LimitFault),
     /// The robot is too far from the start of the trajectory.
     #[error(
-        "joint {} is at {position:.4} rad (or m), but the trajectory begins at {start:.4}: move the robot there first",
+        "joint {} is at {position:.4} rad (or m), but the trajectory begins at {start:.4}. Move the robot there first",
         Named(.name)
     )]
     Start {
@@ -224,14 +224,14 @@ impl<const N: usize> fmt::Display for LoopReport<N> {
         writeln!(f, "{}; brakes {}{look}", self.end, self.brakes)?;
         writeln!(
             f,
-            "{} periods: inputs from the controller in {}, the plan in {}, the fallback law in {}, unchanged in {}; \
-             {} deadlines missed (at most {} in a row)",
+            "{} periods: inputs from the controller in {}, the plan in {}, the fallback law in {}, unchanged in {}. {} deadlines \
+             missed, at most {} in a row",
             c.periods, c.controller, c.plan, c.fallback, c.held, c.deadline_misses, c.longest_miss
         )?;
         write!(
             f,
-            "{} readings missing, {} not finite, {} jumped, {} unchanged, {} with implausible velocities; \
-             {} inputs limited; {} controller faults; {} transport errors",
+            "{} readings missing, {} not finite, {} jumped, {} unchanged, {} with implausible velocities. {} inputs limited, {} \
+             controller faults, {} transport errors",
             c.missing,
             c.not_finite,
             c.jumps,
@@ -244,7 +244,11 @@ impl<const N: usize> fmt::Display for LoopReport<N> {
         for (name, state) in self.joints.iter().zip(&self.learned) {
             let Some(state) = state else { continue };
             let (name, trust) = (Named(name), state.trust.name());
-            write!(f, "\nfriction of joint {name}: {trust} since {:.2} s; learned:", state.since)?;
+            write!(
+                f,
+                "\nfriction of joint {name}: state `{trust}` since {:.2} s. Learned coefficients ± half width of the 90 % interval:",
+                state.since
+            )?;
             for term in state.terms() {
                 write!(f, " {} {:.3} ± {:.3}", term.name, term.learned, term.half_width)?;
             }

@@ -170,7 +170,7 @@ impl<const N: usize, const M: usize> LoopSettings<N, M> {
             let entries = joint.velocity..joint.angular_velocity() + 3;
             for value in self.position_limits[entries].as_flattened() {
                 if value.is_finite() {
-                    let range = "infinite for a joint whose attitude is a quaternion";
+                    let range = "infinite for a joint whose position is a quaternion";
                     return Err(SettingError {
                         name: "position_limits",
                         of: Some(joint.name),
@@ -247,7 +247,7 @@ impl fmt::Display for SettingError {
         if let Some(of) = self.of {
             write!(f, "[{}]", Named(of))?;
         }
-        write!(f, " of the loop is {}; it must be {}", self.value, self.range)
+        write!(f, " of the loop is {}, but must be {}", self.value, self.range)
     }
 }
 

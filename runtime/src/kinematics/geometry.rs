@@ -21,8 +21,8 @@ pub enum GeometryError {
     },
     /// The pose is not a product of rotations about six axes.
     #[error(
-        "the pose function is not that of six revolute joints in series with the frame on the last link: poses \
-         differ by up to {error} (m, or entries of the rotation matrix)"
+        "the pose function is not that of six revolute joints in series with the frame on the last link. Poses differ by up to \
+         {error} (position in m, or entry of the rotation matrix)"
     )]
     NotSerial {
         /// Largest difference of positions (m) or of entries of the rotation matrix.
@@ -30,7 +30,7 @@ pub enum GeometryError {
     },
     /// The last three axes do not meet in one point.
     #[error(
-        "the arm has no spherical wrist: the axes of the last three joints miss a common point by {distance} m"
+        "the arm has no spherical wrist. The axes of the last three joints miss a common point by {distance} m"
     )]
     NoSphericalWrist {
         /// Largest distance of an axis from the common point (m).

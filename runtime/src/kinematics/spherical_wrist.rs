@@ -101,13 +101,13 @@ pub enum KinematicsError {
     /// The pose or the given angles are not finite, a given angle exceeds 1e6 rad, or the matrix is not a rotation
     /// matrix. The number is the deviation of the matrix from a rotation matrix.
     #[error(
-        "the pose or the given angles are not valid: numbers are not finite, a given angle exceeds 1e6 rad, or \
-         the matrix is not a rotation (error {0})"
+        "the pose or the given angles are not valid. A number is not finite, an angle exceeds 1e6 rad, or the matrix is not a \
+         rotation (error {0})"
     )]
     NotAPose(f64),
     /// All solutions violate the limits.
     #[error(
-        "no solution is within the joint limits; the closest solution exceeds the limit of joint {} by {excess} \
+        "no solution is within the joint limits. The closest solution exceeds the limit of joint {} by {excess} \
          rad",
         .joint + 1
     )]

@@ -12,7 +12,7 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MpcError {
     /// An option is out of its range.
-    #[error("{option}{} is {value}; it must be {range}", .index.map(|i| format!("[{i}]")).unwrap_or_default())]
+    #[error("{option}{} is {value}, but must be {range}", .index.map(|i| format!("[{i}]")).unwrap_or_default())]
     Option {
         /// Name of the option.
         option: &'static str,
@@ -34,7 +34,7 @@ pub enum MpcError {
     /// The limits of a joint that follows several coordinates are not ensured. The limits of the coordinates allow
     /// positions or speeds beyond the limits of this joint, and a row for this joint is missing.
     #[error(
-        "joint {} follows several coordinates and can exceed its limits although the coordinates keep theirs: add \
+        "joint {} can exceed its limits, because it follows several joints and no row of the MPC limits it. Add \
          `.with_rows(MpcRow::of_limits(&robot))` to the options, or a row with the name of this joint",
         Named(.joint)
     )]
@@ -44,8 +44,8 @@ pub enum MpcError {
     },
     /// A motor has a torque–speed line, which limits its torque at high speed, but a row for this line is missing.
     #[error(
-        "motor {} has a torque–speed line, but no row keeps it: add `.with_rows(MpcRow::of_limits(&robot))` to the options, or a \
-         row with the name of this motor",
+        "motor {} has a torque–speed line, but no row of the MPC ensures it. Add `.with_rows(MpcRow::of_limits(&robot))` to the \
+         options, or a row with the name of this motor",
         Named(.motor)
     )]
     TorqueSpeed {
@@ -54,7 +54,7 @@ pub enum MpcError {
     },
     /// `position_limits` has a finite limit for a joint with a quaternion, which is not allowed.
     #[error(
-        "`position_limits` has a limit for joint {}, whose attitude is a quaternion: set the limits of this joint to infinity",
+        "`position_limits` limits joint {}, whose position is a quaternion. Set the limits of this joint to infinity",
         Named(.joint)
     )]
     Limit {
@@ -120,8 +120,8 @@ pub(super) fn require(
 fn remedy(reason: &LqrError) -> &'static str {
     match reason {
         LqrError::NotStabilizable(_) => {
-            "; if no input reaches a part of the robot, for example the momentum of a satellite, set its weights to 0 and terminal_weight \
-             to TerminalWeight::Discounted"
+            ". If no input acts on a part of the motion, e.g. the momentum of a satellite, set its weights to 0 and \
+             `terminal_weight` to `TerminalWeight::Discounted`"
         }
         _ => "",
     }

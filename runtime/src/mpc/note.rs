@@ -89,45 +89,45 @@ impl fmt::Display for MpcNote {
         match self {
             Self::Speed { joint, time, speed, limit } => write!(
                 f,
-                "at {time:.3} s the trajectory moves joint {} at {speed:.4} rad/s (or m/s), beyond its soft limit of {limit:.4}: the robot will \
-                 lag behind the trajectory; slow the trajectory down, or raise `velocity_limits`",
+                "at {time:.3} s the trajectory moves joint {} at {speed:.4} rad/s (or m/s), above its soft limit of {limit:.4}. \
+                 The robot will lag behind. Slow the trajectory down, or raise `velocity_limits`",
                 Named(joint)
             ),
             Self::Position { joint, time, position, limits: [low, high] } => write!(
                 f,
-                "at {time:.3} s the trajectory has joint {} at {position:.4} rad (or m), outside its soft limits of {low:.4} to {high:.4}: the \
-                 controller will stop the joint near the limit; change the trajectory, or `position_limits`",
+                "at {time:.3} s the trajectory has joint {} at {position:.4} rad (or m), outside its soft limits of {low:.4} to \
+                 {high:.4}. The controller will stop the joint near the limit. Change the trajectory, or `position_limits`",
                 Named(joint)
             ),
             Self::Row { row, time, value, limits: [low, high] } => write!(
                 f,
-                "at {time:.3} s the trajectory with its feed-forward has the value {value:.4} in row {}, outside its limits of {low:.4} to \
-                 {high:.4}: the robot will not follow the trajectory; slow the trajectory down or change it",
+                "at {time:.3} s the trajectory gives row {} the value {value:.4}, outside its limits of {low:.4} to {high:.4}. \
+                 The robot will not follow the trajectory. Slow the trajectory down or change it",
                 Named(row)
             ),
             Self::Dependent { joint } => write!(
                 f,
-                "joint {} follows a driven joint, and this controller does not keep the limits of this joint: the loop brakes at these \
-                 limits; check the trajectory together with the driven motion (`limits::violations`)",
+                "the controller does not enforce the limits of joint {}, because it follows a driven joint. The loop brakes at \
+                 these limits. Check the trajectory together with the driven motion by `limits::violations`",
                 Named(joint)
             ),
             Self::DryFriction { joint, jump } => write!(
                 f,
-                "the friction of joint {} jumps by {jump:.3} N m (or N) at rest, which linear predictions cannot represent: the joint may stop \
-                 before its goal; generate a smooth model for the controller (`--control-model`)",
+                "the friction of joint {} jumps by {jump:.3} N m (or N) at rest, so the joint may stop before its goal. Linear \
+                 predictions cannot represent the jump. Generate a smooth model with `--control-model`",
                 Named(joint)
             ),
             Self::Alternating { joint, share } => write!(
                 f,
-                "the implicit midpoint rule predicts that a small velocity of joint {} is multiplied by {share:.2} in each period, because its \
-                 friction at rest is too steep: use the exact zero-order hold (`prediction`), a smoother control model, or a \
-                 shorter period",
+                "friction of joint {} at rest is too steep for the implicit midpoint rule. It predicts that a small velocity is \
+                 multiplied by {share:.2} in each period. Use the exact zero-order hold (`prediction`), a smoother control model, \
+                 or a shorter period",
                 Named(joint)
             ),
             Self::Terminal { time, residual } => write!(
                 f,
-                "the terminal weight at {time:.3} s is inaccurate: the residual of its Riccati equation is {residual:.1e}; the regulator is \
-                 stabilizing, but may not be optimal; choose weights that differ by fewer orders of magnitude"
+                "the terminal weight at {time:.3} s is inaccurate (residual of its Riccati equation: {residual:.1e}). The \
+                 regulator is stabilizing, but may not be optimal. Choose weights that differ by fewer orders of magnitude"
             ),
         }
     }

@@ -319,12 +319,12 @@ impl fmt::Display for RowFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotFinite { value } => {
-                write!(f, "a coefficient is {value}; all coefficients must be finite")
+                write!(f, "a coefficient is {value}, but all coefficients must be finite")
             }
             Self::Sides { lower, upper } => write!(
                 f,
-                "its limits are {lower} and {upper}; the lower limit must not exceed the upper limit; write -inf or inf for a missing \
-                 lower or upper limit"
+                "its limits {lower} and {upper} are not an interval. The lower limit must not exceed the upper limit. Write -inf \
+                 or inf for a missing limit"
             ),
             Self::Zero { lower, upper } => {
                 write!(
@@ -334,7 +334,7 @@ impl fmt::Display for RowFault {
             }
             Self::Attitude { joint } => write!(
                 f,
-                "it contains a position of joint {}, whose attitude is a quaternion; a row can only contain the velocities of this joint",
+                "it contains a position of joint {}, whose position is a quaternion. A row can only contain the velocities of this joint",
                 Named(joint)
             ),
             Self::OutOfReach { lower, upper, least, most } => write!(
@@ -343,8 +343,8 @@ impl fmt::Display for RowFault {
             ),
             Self::Penalty { linear, quadratic } => write!(
                 f,
-                "its linear penalty is {linear} and its quadratic penalty is {quadratic}; both must be finite, the linear penalty positive \
-                 and the quadratic penalty not negative"
+                "its linear penalty is {linear} and its quadratic penalty is {quadratic}. Both must be finite, the first positive \
+                 and the second not negative"
             ),
         }
     }

@@ -173,7 +173,7 @@ fn require(
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PlantError {
     /// An option is out of range.
-    #[error("plant option {option}{} is {value}; it must be {range}", bracketed(*.of))]
+    #[error("plant option {option}{} is {value}, but must be {range}", bracketed(*.of))]
     Option {
         /// Name of the option.
         option: &'static str,
@@ -212,9 +212,10 @@ pub enum PlantError {
     /// Dry friction acts on several joints together, for example on the shaft of a motor that moves two joints. The
     /// plant cannot determine the holding force at rest of such friction.
     #[error(
-        "friction that is discontinuous at rest acts on joints {} and {} together (a motor that moves both, or a \
-         joint that follows both), but the plant can only simulate sticking of single joints; generate the model \
-         of the plant with smooth friction (`--smooth-sign 100`)", Named(.first), Named(.second)
+        "the plant cannot simulate sticking of joints {} and {} together. A motor that moves both joints, or a joint that follows \
+         both, has friction with a jump at rest. Generate the model of the plant with smooth friction: `--smooth-sign 100`",
+        Named(.first),
+        Named(.second)
     )]
     SharedFriction {
         /// Name of the first joint.
@@ -223,7 +224,7 @@ pub enum PlantError {
         second: &'static str,
     },
     /// An input is NaN or infinite.
-    #[error("input {} is {value}; inputs must be finite", Named(.name))]
+    #[error("input {} is {value}, but inputs must be finite", Named(.name))]
     Input {
         /// Index of the input.
         input: usize,
@@ -233,7 +234,7 @@ pub enum PlantError {
         value: f64,
     },
     /// A period is not positive and finite.
-    #[error("the period is {0} s; it must be positive and finite")]
+    #[error("the period is {0} s, but must be positive and finite")]
     Period(f64),
     /// The integration failed, because accelerations are not finite, or too many or too small steps would be needed.
     #[error("the integration stopped at {time} s: {reason}")]

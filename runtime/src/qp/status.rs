@@ -93,11 +93,11 @@ impl Default for QpSettings {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum QpError {
     /// The horizon is not in 1..=100.
-    #[error("the horizon is {0} stages; it must be 1 to 100")]
+    #[error("the horizon is {0} stages, but must be 1 to 100")]
     Horizon(usize),
     /// `NX` is not in 1..=32, `NU` is not in 1..=32, or `NR` is not in 0..=32.
     #[error(
-        "the size of the QP is out of range: it must have 1 to 32 states, 1 to 32 inputs and at most 32 rows per stage"
+        "the size of the QP is out of range. It must have 1 to 32 states, 1 to 32 inputs and at most 32 rows per stage"
     )]
     Size,
 }

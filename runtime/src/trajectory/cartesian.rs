@@ -36,8 +36,8 @@ pub enum CartesianError {
     },
     /// The straight path to a pose leads through a singularity.
     #[error(
-        "the straight path to pose {} leads through a singularity at {time} s ({singularity:?}); choose another \
-         path or a motion in joint space",
+        "the straight path to pose {} leads through a singularity at {time} s ({singularity:?}). Choose another path or a motion \
+         in joint space",
         .pose + 1
     )]
     Singular {
@@ -50,8 +50,8 @@ pub enum CartesianError {
     },
     /// A joint would have to jump on the straight path to a pose, because the path is close to a singularity.
     #[error(
-        "on the straight path to pose {} joint {} would turn by {step} rad in one sample at {time} s, because \
-         the path is close to a singularity; choose another path or a motion in joint space",
+        "on the straight path to pose {} joint {} would turn by {step} rad in one sample at {time} s, because the path is close \
+         to a singularity. Choose another path or a motion in joint space",
         .pose + 1,
         .joint + 1
     )]

@@ -175,7 +175,7 @@ as_what_it_points_to!(&T, Box<T>);
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum TrajectoryError {
     /// A number is NaN or infinite.
-    #[error("{what} is {value}; it must be finite")]
+    #[error("{what} is {value}, but must be finite")]
     NotFinite {
         /// Name of the quantity.
         what: String,
@@ -183,7 +183,7 @@ pub enum TrajectoryError {
         value: f64,
     },
     /// A duration, speed or other quantity is not positive.
-    #[error("{what} is {value}; it must be positive")]
+    #[error("{what} is {value}, but must be positive")]
     NotPositive {
         /// Name of the quantity.
         what: String,
@@ -201,7 +201,7 @@ pub enum TrajectoryError {
         given: usize,
     },
     /// A number is out of range.
-    #[error("{what} is {value}; it must be {range}")]
+    #[error("{what} is {value}, but must be {range}")]
     OutOfRange {
         /// Name of the quantity.
         what: &'static str,
@@ -244,7 +244,7 @@ pub enum TrajectoryError {
     /// Between two points, a joint that follows several coordinates leaves its position limits.
     #[error(
         "joint {}, which follows several coordinates, would reach {position} rad (or m) between points {} and \
-         {}, outside its limits {} to {}: insert a point between the two points",
+         {}, outside its limits {} to {}. Insert a point between the two points",
         Named(.joint), .point + 1, .point + 2, .limits[0], .limits[1]
     )]
     DependentOvershoot {
@@ -259,9 +259,8 @@ pub enum TrajectoryError {
     },
     /// A joint that follows several coordinates has limits, but the motion only keeps limits of single coordinates.
     #[error(
-        "joint {} follows several coordinates, but motions to a changing target only keep limits of single \
-         coordinates: narrow the limits of these coordinates and remove the joint from \
-         `MotionLimits::dependent`, or use `ViaPoints`",
+        "a motion to a changing target cannot keep the limits of joint {}, because it follows several joints. Narrow the limits \
+         of these joints and remove it from `MotionLimits::dependent`, or use `ViaPoints`",
         Named(.joint)
     )]
     DependentNotKept {
@@ -270,7 +269,7 @@ pub enum TrajectoryError {
     },
     /// Two consecutive points are equal. A motion without stops cannot pass both points.
     #[error(
-        "points {} and {} are equal: remove one of them, or use `PointSequence` to stop there", .point, .point + 1
+        "points {} and {} are equal. Remove one of them, or use `PointSequence` to stop there", .point, .point + 1
     )]
     RepeatedPoint {
         /// Index of the second point, from 0. Messages count from 1.
@@ -286,8 +285,8 @@ pub enum TrajectoryError {
     },
     /// Between two points a joint turns by 180°, so the shortest direction is not unique.
     #[error(
-        "joint {} turns by {angle} rad between points {} and {}, so the direction of this half turn is \
-         ambiguous: insert a point between the two points", Named(.joint), .point, .point + 1
+        "joint {} turns by {angle} rad between points {} and {}, so the direction of this half turn is ambiguous. Insert a point \
+         between the two points", Named(.joint), .point, .point + 1
     )]
     HalfTurn {
         /// Name of the joint.
@@ -298,7 +297,7 @@ pub enum TrajectoryError {
         angle: f64,
     },
     /// Neither speed nor acceleration of a joint is limited.
-    #[error("joint {} moves, but neither its speed nor its acceleration is limited: set one of these limits", .joint + 1)]
+    #[error("joint {} moves, but neither its speed nor its acceleration is limited. Set one of these limits", .joint + 1)]
     Unlimited {
         /// Index of the joint, from 0. Messages count from 1.
         joint: usize,
@@ -320,7 +319,7 @@ pub(super) fn require_representable(what: &'static str, values: &[f64]) -> Resul
         Some(value) => Err(TrajectoryError::OutOfRange {
             what,
             value: *value,
-            range: "finite; choose a longer duration or a shorter distance",
+            range: "finite. Choose a longer duration or a shorter distance",
         }),
     }
 }

@@ -270,7 +270,7 @@ fn require_scaled(what: &'static str, values: &[f64], least: f64) -> Result<(), 
         Some(value) => Err(TrajectoryError::OutOfRange {
             what,
             value: *value,
-            range: "at most 1e4 in magnitude; limits of speed, acceleration and jerk must be at least 1e-4",
+            range: "at most 1e4 in magnitude, and limits of speed, acceleration and jerk must be at least 1e-4",
         }),
     }
 }

@@ -101,7 +101,7 @@ impl<const N: usize> Recording<N> {
             let found = head.iter().position(|h| h == name);
             found.ok_or_else(|| {
                 let names: Vec<&str> = head.iter().collect();
-                fault(0, format!("column {name} is missing; the file has the columns {}", names.join(", ")))
+                fault(0, format!("column {name} is missing. The file has the columns {}", names.join(", ")))
             })
         };
         let time = find(columns.time)?;
@@ -247,7 +247,7 @@ fn even_period(
         Some(k) => {
             let (time, due) = (times[k], expected(k));
             let message = format!(
-                "the time is {time} s, but an even spacing of {period} s requires {due} s; resample the file"
+                "the time is {time} s, but an even spacing of {period} s requires {due} s. Resample the file"
             );
             Err(fault(k + 1, message))
         }

@@ -55,11 +55,11 @@ impl<const N: usize, const NY: usize> Reading<N, NY> {
 pub enum TransportError {
     /// The program on the robot's side has restarted since the last reading, or another controller has
     /// connected to it. Brakes, positions and inputs may have changed.
-    #[error("the robot's side restarted, or another controller is connected")]
+    #[error("the program at the robot restarted, or another controller is connected")]
     Restarted,
     /// The program on the robot's side does not answer.
     #[error(
-        "the robot's side does not answer: check that it runs, its address, and that it has the same version"
+        "the program at the robot does not answer. Check that it runs, that it has the same version, and its address"
     )]
     NoAnswer,
     /// The operating system failed to send or receive.
@@ -67,11 +67,11 @@ pub enum TransportError {
     Io(io::ErrorKind),
     /// The motion of the simulated robot over a period cannot be computed.
     #[error(
-        "the motion of the simulated robot over a period cannot be computed: check its model and its options"
+        "the motion of the simulated robot over a period cannot be computed. Check its model and its options"
     )]
     Simulation,
     /// An input is not finite, or too large for its encoding. Nothing was sent.
-    #[error("input {} is not finite, or too large for its encoding; nothing was sent", .input + 1)]
+    #[error("input {} is not finite, or too large for its encoding. Nothing was sent", .input + 1)]
     Input {
         /// Index of the input, from 0. Messages count from 1.
         input: usize,

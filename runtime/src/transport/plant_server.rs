@@ -59,7 +59,7 @@ pub enum ServerError {
     #[error(transparent)]
     Plant(#[from] PlantError),
     /// An option is out of range.
-    #[error("server option {option} is {value}; it must be {range}")]
+    #[error("server option {option} is {value}, but must be {range}")]
     Option {
         /// Name of the option.
         option: &'static str,

@@ -40,7 +40,7 @@ impl<const N: usize, const M: usize, const NY: usize> UdpTransport<N, M, NY> {
         if timeout.is_zero() || timeout > LONGEST_TIMEOUT {
             return Err(io::Error::new(
                 io::ErrorKind::InvalidInput,
-                format!("the timeout of a reading is {timeout:?}; it must be positive and at most one hour"),
+                format!("the timeout of a reading is {timeout:?}, but must be positive and at most one hour"),
             ));
         }
         let mut addresses = address.to_socket_addrs()?;

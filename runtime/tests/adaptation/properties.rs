@@ -380,7 +380,7 @@ fn settings_are_checked() {
     let error = Adaptation::new([scale], wrong, |y, v, a| joint.forces(y[0], v[0], a[0])).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "setting memory of the adaptation is 1; it must be at least 100 time constants (s)"
+        "setting memory of the adaptation is 1, but must be at least 100 time constants (s)"
     );
 }
 

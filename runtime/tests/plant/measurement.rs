@@ -105,7 +105,7 @@ fn errors_name_the_numbers_and_leave_the_plant() {
     plant.reset([0.1, 0.2], [0.3, 0.4]).unwrap();
     let before = (plant.state(), plant.time());
     let error = plant.apply(&[0.0, f64::NAN], 0.02).unwrap_err();
-    assert_eq!(error.to_string(), "input gamma is NaN; inputs must be finite");
+    assert_eq!(error.to_string(), "input gamma is NaN, but inputs must be finite");
     assert_eq!(plant.hold(0.0).unwrap_err(), PlantError::Period(0.0));
     assert!(plant.apply(&[0.0; 2], f64::INFINITY).is_err());
     assert!(plant.reset([f64::NAN, 0.0], [0.0; 2]).is_err());
@@ -113,12 +113,12 @@ fn errors_name_the_numbers_and_leave_the_plant() {
 
     let options = PlantOptions { input_loss: 1.5, ..PlantOptions::default() };
     let error = Plant::new(PowerCube, options).err().unwrap();
-    assert_eq!(error.to_string(), "plant option input_loss is 1.5; it must be a probability, 0 to 1");
+    assert_eq!(error.to_string(), "plant option input_loss is 1.5, but must be a probability, 0 to 1");
     let options = PlantOptions { velocity_noise: Some([0.0, -1.0]), ..PlantOptions::default() };
     let error = Plant::new(PowerCube, options).err().unwrap();
     assert_eq!(
         error.to_string(),
-        "plant option velocity_noise[gamma] is -1; it must be finite and not negative"
+        "plant option velocity_noise[gamma] is -1, but must be finite and not negative"
     );
 }
 

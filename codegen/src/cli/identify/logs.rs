@@ -152,8 +152,7 @@ fn about<'a>(
 fn without_wrenches(model: &Model) -> Option<Finding> {
     about(WRENCHES, model.wrenches.iter().map(|wrench| wrench.name.as_str()), |names| {
         format!(
-            "the wrenches {names} are assumed to be zero; if a wrench acts, describe it as an input (`[[inputs]]`), and add \
-             its columns to the log"
+            "the wrenches {names} are assumed to be zero. If a wrench acts, describe it by `[[inputs]]`, and add its columns to the log"
         )
     })
 }
@@ -188,7 +187,7 @@ fn rotors_without_input(model: &Model) -> Option<Finding> {
     let drives = model.moving_drives().filter(|drive| drive.input == Input::None);
     about(ROTORS, drives.map(|drive| drive.name.as_str()), |names| {
         format!(
-            "rotors without an input ({names}) stay as described in the written file: only the table of parameters has their \
+            "rotors without an input ({names}) stay as described in the written file. Only the table of parameters has their \
              identified inertia"
         )
     })
@@ -201,8 +200,8 @@ fn replaced_load(model: &Model, found: &Identification) -> Option<Finding> {
     let described = model.joints().filter(|joint| !joint.load_friction.is_empty());
     about(LOAD_LOST, described.map(|joint| joint.name.as_str()).filter(|name| replaced(name)), |names| {
         format!(
-            "the described load-dependent friction of {names} was not identified, and laws of the velocity replace it \
-             (use `--load-friction` to identify it)"
+            "the described load-dependent friction of {names} was not identified, and laws of the velocity replace it. Use \
+             `--load-friction` to identify it"
         )
     })
 }
@@ -273,8 +272,8 @@ fn describe(
     let values: Vec<f64> = found.estimate.parameters.iter().map(|parameter| parameter.value).collect();
     let (links, others) = values.split_at(PER_LINK * robot.bodies());
     if !found.estimate.consistent {
-        let message = "the estimate contains a body that is physically impossible, so that nothing is written: record a \
-                       motion that excites the bodies more";
+        let message = "nothing is written, because the estimate contains a body that is physically impossible. Record a motion \
+                       that moves the bodies more";
         return Err(Failure::Problem(message.to_owned()));
     }
     let bodies_of = |parameters: &[f64]| {

@@ -29,7 +29,7 @@ pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<Exit
     let path = output(arguments, &loaded, "identified")?;
     if !is_moments(&path) {
         return Err(Failure::Usage(format!(
-            "`--reduce` writes a file of moments: name a file *.{MOMENTS} with --output"
+            "`--reduce` writes a file of moments. Name a file *.{MOMENTS} with --output"
         )));
     }
     let settings = settings(arguments)?;
@@ -49,8 +49,8 @@ pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitC
     let of_results = [("--report", arguments.report.is_some()), ("--method", arguments.method.is_some())];
     if let Some((option, _)) = of_results.iter().find(|(_, is_given)| is_moments(&path) && *is_given) {
         return Err(Failure::Usage(format!(
-            "{option} needs an identification, but --output *.moments only adds moments: name a description (*.toml) with \
-             --output"
+            "{option} needs an identification, but --output *.moments only adds files of moments. Name a description (*.toml) \
+             with --output"
         )));
     }
     let description = Description::of(arguments, &loaded, &robot)?;

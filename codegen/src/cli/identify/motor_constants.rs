@@ -35,8 +35,8 @@ pub(super) fn findings(found: &Identification) -> Vec<Finding> {
         let Uncertain { value, interval: [low, high], .. } = constant;
         let [value, low, high] = [value, low, high].map(|x| rounded(x, Some(0.5 * (high - low))));
         let message = format!(
-            "its motor constant is {value} N·m/A with the {level:.0} % interval {low} to {high}, if the described masses \
-             and centres of mass are correct"
+            "its motor constant is {value} N·m/A ({level:.0} % interval: {low} to {high}), if the described masses and centres of \
+             mass are correct"
         );
         ESTIMATED.found(message).joint(&joint.name)
     };
@@ -52,12 +52,12 @@ pub(super) fn add_doubts(found: &mut Identification) {
 fn doubt((joint, constant): (&JointEstimate, Uncertain)) -> Option<Finding> {
     let value = constant.value;
     let doubt = if value < 0.0 {
-        "is negative, so that current and position have opposite positive directions: give a negative factor, as in \
-         --columns 'current=…[-1 A]'".to_owned()
+        "is negative, so current and position have opposite positive directions. Give a negative factor, as in --columns \
+         'current=…[-1 A]'".to_owned()
     } else if joint.unit == "N·m" && !(USUAL[0]..=USUAL[1]).contains(&value) {
         format!(
-            "is outside the usual range ({} to {}): check the unit of the current, as in --columns 'current=…[mA]', \
-             and the described gear and masses",
+            "is outside the usual range {} to {} N·m/A. Check the unit of the current, as in --columns 'current=…[mA]', and the \
+             described gear and masses",
             USUAL[0], USUAL[1]
         )
     } else {

@@ -64,9 +64,7 @@ fn carrier(arguments: &Identify, robot: &InterpretedRobot) -> Result<Carrier, Fa
     found.ok_or_else(|| {
         let of = arguments.payload_on.as_deref().unwrap_or_default();
         let known = list((0..joints.len()).map(link));
-        Failure::Usage(format!(
-            "--payload-on {of}: there is no moving link with this name; the moving links are {known}"
-        ))
+        Failure::Usage(format!("--payload-on {of} does not name a moving link. The moving links are {known}"))
     })
 }
 

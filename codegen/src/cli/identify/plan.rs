@@ -66,7 +66,7 @@ fn posture(text: &str, names: &[String]) -> Result<Vec<f64>, Failure> {
             .ok_or_else(|| fault(format!("'{part}' does not have the form JOINT=POSITION")))?;
         let place = names.iter().position(|joint| joint == name.trim());
         let place = place.ok_or_else(|| {
-            fault(format!("there is no joint '{}'; the joints are {}", name.trim(), names.join(", ")))
+            fault(format!("there is no joint '{}'. The joints are {}", name.trim(), names.join(", ")))
         })?;
         let value: Option<f64> = value.trim().parse().ok().filter(|value: &f64| value.is_finite());
         let value = value.ok_or_else(|| fault(format!("'{part}' needs a number in rad or m after `=`")))?;
@@ -99,11 +99,10 @@ fn beginning(plan: &Plan, robot: &InterpretedRobot) -> String {
     let listed = format!("{}{turns}", listed.collect::<Vec<_>>().join(","));
     match &plan.approach {
         Some(approach) => format!(
-            "in the first {:.2} s, the robot moves on a straight path in joint space from the given start to the start of \
-             the motion: {listed}\n",
+            "in the first {:.2} s, the robot moves in joint space straight from the given start to the start of the motion: {listed}\n",
             approach.seconds
         ),
-        None => format!("the motion begins at {listed}; move the robot there first, or give --start\n"),
+        None => format!("the motion begins at {listed}. Move the robot there first, or give --start\n"),
     }
 }
 
@@ -112,7 +111,7 @@ fn require_plan_or_nothing(path: &Path, header: &str) -> Result<(), Failure> {
     match fs::read(path) {
         Ok(found) if !found.is_empty() && !found.starts_with(header.as_bytes()) => {
             let message =
-                "is not a plan for this robot: name another file with --output, or remove this file first";
+                "is not a plan for this robot. Name another file with --output, or remove this file first";
             Err(Failure::Problem(format!("{} {message}", path.display())))
         }
         // If the file cannot be read, writing it fails later.
@@ -124,7 +123,7 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
     let [inertial, friction] = plan.parameters;
     let mut text = format!(
         "wrote {}: {} s from rest to rest, for {inertial} base parameters and {friction} friction parameters\n\
-         condition number of their regressor (columns of unit length): {:.0}\n",
+         condition number of their equations, with columns of unit length: {:.0}\n",
         path.display(),
         plan.motion.period,
         plan.condition,
@@ -164,8 +163,7 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
     text.push_str(&inputs_text(plan, robot));
     text.push_str(&print::lines(&plan.findings));
     text.push_str(
-        "note: the plan does not take obstacles and collisions of links into account: check the motion before the robot \
-         executes it\n",
+        "note: the plan ignores obstacles and collisions of links. Check the motion before the robot executes it\n",
     );
     text
 }

@@ -172,9 +172,8 @@ impl Kind {
             match place.and_then(Path::to_str) {
                 Some(place) => Ok((place.to_owned(), bytes.to_vec())),
                 None => Err(Failure::Usage(format!(
-                    "{} includes {}, which cannot keep its relative path in the new project\n  = help: \
-                     move included files below the folder of the file that includes them, and name none of \
-                     them {}",
+                    "{} includes {}, whose relative path does not fit into the new project\n  = help: \
+                     move included files below the folder of the file that includes them. None may have the name {}",
                     path.display(),
                     file.display(),
                     self.file
@@ -220,7 +219,7 @@ fn require_base(path: &Path, model: &Model) -> Result<(), Failure> {
     Err(Failure::Usage(format!(
         "joint `{}` of {} is {}, but the program of a new project supports only a floating base and joints with one \
          position and one velocity\n  = help: first make it a fixed joint, or call `gelenk generate` and \
-         write the program yourself: the example `satellite` of gelenk-runtime moves a robot with a \
+         write the program yourself. The example `satellite` of gelenk-runtime moves a robot with a \
          spherical joint",
         joint.name,
         path.display(),

@@ -9,15 +9,15 @@ use crate::model::{FollowedCoordinate, Joint, JointKind, Motion, QuaternionJoint
 /// Text about lost friction laws and springs. MJCF only has linear damping, linear springs, and a bound on dry
 /// friction.
 const OTHER_FRICTION: &str =
-    "has only viscous and dry friction; other laws (Stribeck, tanh, position) are omitted at";
-const OTHER_SPRINGS: &str = "has only linear springs and dampers; other laws are omitted at";
-const LOAD: &str = "has no load-dependent friction; it is omitted at";
-pub(super) const SPEED: &str = "has no limits of speed, acceleration or jerk; they are omitted at";
+    "has only viscous and dry friction. Other laws (Stribeck, tanh, position) are omitted at";
+const OTHER_SPRINGS: &str = "has only linear springs and dampers. Other laws are omitted at";
+const LOAD: &str = "has no load-dependent friction. It is omitted at";
+pub(super) const SPEED: &str = "has no limits of speed, acceleration or jerk. They are omitted at";
 const EFFORT: &str =
-    "has one force limit per joint; the nominal limit is omitted and the peak limit written at";
-const RANGE: &str = "has no range with a single position; it is omitted at";
+    "has one force limit per joint. The nominal limit is omitted and the peak limit written at";
+const RANGE: &str = "has no range with a single position. It is omitted at";
 const QUATERNION_FRICTION: &str =
-    "has one damping value per joint with a quaternion; different friction of its velocities is omitted at";
+    "has one damping value per joint with a quaternion. Different friction of its velocities is omitted at";
 
 impl Writer<'_> {
     /// Writes the joint that carries a link. Returns whether the joint moves.
@@ -130,7 +130,7 @@ impl Writer<'_> {
             }
             if part.limits.effort.or(part.limits.peak_effort).is_some() {
                 self.losses.add(
-                    "has no force limits for single velocities of a joint with a quaternion; they are omitted at",
+                    "has no force limits for single velocities of a joint with a quaternion. They are omitted at",
                     &part.name,
                 );
             }

@@ -21,16 +21,17 @@ use writer::{Site, Writer};
 /// and less.
 const LEAST: f64 = 2e-15;
 
-const LEAST_INERTIA: &str = "has no moving bodies without mass or inertia; 2e-15 kg or kg m², the least that MuJoCo accepts, is written for";
+const LEAST_INERTIA: &str = "has no moving bodies without mass or inertia. The least that MuJoCo accepts, 2e-15 kg or kg m², is \
+                             written for";
 
 /// Relative rounding error of published moments of inertia, which have about six digits.
 const ROUNDED: f64 = 1e-5;
 
 const RAISED: &str =
-    "has no bodies whose rounded moments violate the triangle inequality; the smaller moments are raised at";
+    "has no bodies whose rounded moments violate the triangle inequality. The smaller moments are raised at";
 
 const TRIANGLE: &str =
-    "has no bodies whose largest principal moment exceeds the sum of the others; MuJoCo rejects";
+    "has no bodies whose largest principal moment exceeds the sum of the others. MuJoCo rejects";
 
 pub(super) fn export(model: &Model, source: &str) -> (String, Losses) {
     let mut writer = Writer {
@@ -205,10 +206,10 @@ impl Writer<'_> {
     /// Records the parts of the model that no element of MJCF represents.
     fn lost(&mut self) {
         for wrench in &self.model.wrenches {
-            self.losses.add("has no wrench arguments; use `xfrc_applied` instead of", &wrench.name);
+            self.losses.add("has no wrench arguments. Use `xfrc_applied` instead of", &wrench.name);
         }
         for parameter in &self.model.parameters {
-            self.losses.add("has no free parameters; the described values are written for", &parameter.name);
+            self.losses.add("has no free parameters. The described values are written for", &parameter.name);
         }
         for joint in &self.model.quaternion_joints {
             self.check_floating(joint);
@@ -222,10 +223,10 @@ impl Writer<'_> {
         let is_free = joint.coordinates().len() == 6;
         if let Some(carrier) = first.joint.as_ref().filter(|_| is_free) {
             if carrier.parent != 0 {
-                self.losses.refused("has floating joints only at the base; MuJoCo rejects", &joint.name);
+                self.losses.refused("has floating joints only at the base. MuJoCo rejects", &joint.name);
             } else if self.values.placed(&carrier.origin) != Placed::IDENTITY {
                 self.losses.of_robot(
-                    "has floating joints with positions in the base frame; the positions differ at",
+                    "has floating joints with positions in the base frame. The positions differ at",
                     &joint.name,
                 );
             }

@@ -13,8 +13,8 @@ use crate::export::numbers::Lump;
 use crate::export::xml::numbers;
 use crate::model::{Drive, Model, Motion, RotorCoupling, principal_axes};
 
-const ROTOR: &str = "supports a rotor only if its carrier has more inertia and the rotor follows no joint \
-                     with a quaternion; its effect on a moving carrier is omitted at";
+const ROTOR: &str = "supports a rotor only if its carrier has more inertia and the rotor follows no joint with a quaternion. Its \
+                     effect on a moving carrier is omitted at";
 
 /// Inertia of a rotor across its axis, divided by the axial inertia. A disc has 0.5, the smallest value of a
 /// rigid body.

@@ -27,7 +27,7 @@ pub struct Kind {
     pub differences: &'static [(&'static str, Difference)],
 }
 
-/// Difference of a function for a kind of robots from the function in the catalogue.
+/// How a function or product for one kind of robot differs from its entry in the catalogue.
 #[derive(Debug, Clone, Copy)]
 pub enum Difference {
     /// The documentation of the function differs.

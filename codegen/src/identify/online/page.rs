@@ -85,9 +85,9 @@ pub fn online_page(name: &str, joints: &[OnlineJoint], command: &str) -> Report 
     );
     report.made_by = command.to_owned();
     let mut section = Section::new("joints", "Joints").block(text(
-        "Left: friction at the joint's root-mean-square speed. Right: errors of the predictions, root mean square over 5 \
-         s. The batch law is the best law that is fitted to the samples before each predicted sample. Its number of terms \
-         and its time window are chosen afterwards.",
+        "Left: friction at the joint's root-mean-square speed. Right: root mean square of the prediction errors over 5 s. The \
+         batch law is the best law that is fitted to the samples before each predicted sample. Its number of terms and its time \
+         window are chosen afterwards.",
     ));
     for (index, joint) in joints.iter().enumerate() {
         section = section.block(Block::Figure(figure(index, joint)));
@@ -140,9 +140,9 @@ fn smoothed(samples: &[OnlineSample], of: &dyn Fn(usize) -> f64) -> Vec<[f64; 2]
 fn errors(joints: &[OnlineJoint]) -> Table {
     let mut table = Table::new(
         "errors",
-        "Root mean square of the errors of the predictions. Acting: the law that a controller would have used. By run: the \
-         best law that is fitted to the samples before each run. Batch: the best law that is fitted to the samples before \
-         each sample. Hindsight: the best law that is fitted to the whole log.",
+        "Root mean square of the prediction errors. Acting: the law that a controller would have used. By run: the best law \
+         fitted to the samples before each run. Batch: the best law fitted to the samples before each sample. Hindsight: the best \
+         law fitted to the whole log.",
     )
     .column("joint", "joint", "")
     .column("acts", "trust", "")
@@ -183,9 +183,9 @@ fn trust(joints: &[OnlineJoint]) -> Table {
 fn terms(joints: &[OnlineJoint]) -> Table {
     let table = Table::new(
         "terms",
-        "Terms that the learned law adds to the described friction $\\tau_d$, $\\delta_1 \\tau_d + \\delta_2 v + \\delta_3 \
-         + \\delta_4 |\\tau_d| + \\delta_5 |\\tau_l| s_1$, with the half widths of their 90 % intervals. The coefficient of a term \
-         is frozen if the motion does not excite the term.",
+        "Terms that the learned law adds to the described friction $\\tau_d$, $\\delta_1 \\tau_d + \\delta_2 v + \\delta_3 + \
+         \\delta_4 |\\tau_d| + \\delta_5 |\\tau_l| s_1$, with the half widths of their 90 % intervals. A coefficient is frozen if \
+         the motion does not determine it.",
     )
     .column("joint", "joint", "")
     .column("term", "term", "")

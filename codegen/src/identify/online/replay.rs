@@ -175,14 +175,14 @@ fn rate(runs: &[Run]) -> Result<f64> {
         let own = 1.0 / median(steps.clone()).unwrap_or(1.0 / rate);
         if (own / rate - 1.0).abs() > OTHER_RATE {
             let message = format!(
-                "it has {own:.6} rows per second, but the median of all logs is {rate:.6}: replay only logs with the same rate"
+                "it has {own:.6} rows per second, but the median of all logs is {rate:.6}. Replay only logs with the same rate"
             );
             return Err(fault(&run.name, message));
         }
         if irregular * 10 > steps.len() {
             let message = format!(
-                "{irregular} of its {} time steps differ from the period of {:.6} s by more than a tenth: replay a log with \
-                 a constant period",
+                "{irregular} of its {} time steps differ from the period of {:.6} s by more than a tenth. Replay a log with a \
+                 constant period",
                 steps.len(),
                 1.0 / rate
             );
@@ -205,10 +205,10 @@ fn settings(rate: f64, delay: f64) -> Result<AdaptationSettings> {
     let is_whole = (delay * rate - periods).abs() < LARGEST_JITTER;
     if !is_whole || !(0.0..=MOST_DELAY as f64).contains(&periods) {
         return Err(IdentificationError::Setting {
-            name: "the time from an input until it acts (the negative of --delay)".into(),
-            value: delay,
+            name: "--delay".into(),
+            value: -delay,
             requirement: format!(
-                "it must be a multiple of the period, from 0 to {MOST_DELAY} times {:.6} s",
+                "its negative, the time until an input acts, must be 0 to {MOST_DELAY} whole periods of {:.6} s",
                 1.0 / rate
             ),
         });
@@ -262,7 +262,7 @@ impl<'a> Described<'a> {
         if let Some((reason, _)) = cases.iter().find(|(_, holds)| *holds) {
             return Err(fault(
                 "the robot",
-                format!("{reason}, so that friction cannot be learned online: {HELP}"),
+                format!("{reason}, so friction cannot be learned online: {HELP}"),
             ));
         }
         if joints.max(inputs) > MOST {
@@ -270,8 +270,8 @@ impl<'a> Described<'a> {
             return Err(fault("the robot", message));
         }
         if effort == Effort::Current && robot.described_currents().contains(&false) {
-            let message = "its efforts are motor currents, but the description has no motor constant: describe it (`drive = \
-                           { motor_constant = 0.06 }`)";
+            let message = "its efforts are motor currents, but the description has no motor constant. Describe it, as in `drive = \
+                           { motor_constant = 0.06 }`";
             return Err(fault("the log", message));
         }
         let mut matrix = [[0.0; MOST]; MOST];
@@ -320,7 +320,7 @@ impl<'a> Described<'a> {
                 fault(
                     format!("joint {}", self.robot.joint_names()[joint]),
                     "the magnitude of its friction is unknown, because the description lacks its speed limit, or both its \
-                     friction and its effort limit: add the `limits` of the joint",
+                     friction and its effort limit. Add the `limits` of the joint",
                 )
             })?);
         }

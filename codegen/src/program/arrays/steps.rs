@@ -119,8 +119,8 @@ pub enum Step {
         /// Array to which the values are copied.
         to: ArrayId,
     },
-    /// `to[·][j] = from[·][k]` for each joint j of the loops, with the last velocity k of the robot's joint
-    /// to which j belongs.
+    /// `to[·][j] = from[·][k]` for each velocity j, with the index k of the last velocity of the same joint. A
+    /// spherical joint has three velocities, a floating joint six.
     GatherLast {
         /// Array from which the values of the last velocities are copied.
         from: ArrayId,

@@ -174,7 +174,7 @@ impl<'a> Reader<'_, 'a> {
         if count == 0 {
             self.report.error(element.span(), "replicate-count", "<replicate> needs a valid `count`");
             self.report
-                .help(format!("give a whole number from 1; a body has at most {MOST_ELEMENTS} elements"));
+                .help(format!("give a whole number from 1. A body has at most {MOST_ELEMENTS} elements"));
             return Vec::new();
         }
         let offset =

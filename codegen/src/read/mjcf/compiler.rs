@@ -134,7 +134,7 @@ impl<'a> Reader<'_, 'a> {
                 "MuJoCo no longer supports global coordinates",
             );
             self.report.help(
-                "load the file in MuJoCo 2.3.3 or older and save it; MuJoCo then converts the coordinates",
+                "load the file in MuJoCo 2.3.3 or older and save it. MuJoCo then converts the coordinates",
             );
         }
     }

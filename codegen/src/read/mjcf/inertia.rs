@@ -138,7 +138,7 @@ impl<'a> Reader<'_, 'a> {
                 "the inertia of a hollow geom (`shellinertia`) is not supported",
             );
             self.report
-                .help("give the body an <inertial>; `mujoco.mj_saveLastXML` with `saveinertial` writes it");
+                .help("give the body an <inertial>. `mujoco.mj_saveLastXML` with `saveinertial` writes it");
             return Share::Nothing;
         }
         if let Some(mesh) = self.find(&geom, "mesh") {

@@ -132,7 +132,7 @@ impl<'a> Reader<'_, 'a> {
                 format!("free joint `{}` must be the only joint of a body in <worldbody>", name.value);
             self.report.error(name.span, "free-joint", message);
             self.report.help(
-                "MuJoCo requires this: use slide joints and a ball joint, or move the body to <worldbody>",
+                "use slide joints and a ball joint, or move the body to <worldbody>, as MuJoCo requires",
             );
         }
         if !frame.is_identity() {

@@ -41,7 +41,7 @@ pub(super) const QUATERNION_FORCE: Remark = Remark::warning(
 pub(super) const RANGE: Remark =
     Remark::warning("limit-unusable", "joint ranges with equal or reversed ends were omitted");
 pub(super) const SERVO: Remark =
-    Remark::warning("servo-as-torque", "servos were read as force inputs; their gains were omitted");
+    Remark::warning("servo-as-torque", "servos were read as force inputs. Their gains were omitted");
 pub(super) const SPRING_DAMPER: Remark = Remark::warning(
     "spring-damper",
     "springs given by time constants (`springdamper`) and nonlinear springs were omitted",

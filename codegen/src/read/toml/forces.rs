@@ -87,7 +87,7 @@ fn stribeck(reader: &mut Reader, item: Item<'_>, owner: &str) -> Option<Friction
         reader.report.error(item.span, "stribeck-grows", message);
         reader
             .report
-            .help("a5 is the decay rate of low-speed friction in s/rad or s/m; it must be at least 0");
+            .help("a5 is the decay rate of low-speed friction in s/rad or s/m. It must be at least 0");
     }
     Some(FrictionPart::Stribeck(parameters))
 }
@@ -171,8 +171,7 @@ pub(crate) fn warn_of_negative_stiffness(joint: &str, stiffness: At<f64>, report
     );
     report.warning(stiffness.span, "negative-stiffness", message);
     report.help(
-        "negative stiffness describes a spring beyond its dead centre; a spring that pulls back has \
-                 positive stiffness",
+        "negative stiffness describes a spring beyond its dead centre. A spring that pulls back has positive stiffness",
     );
 }
 
@@ -235,8 +234,8 @@ fn torque_speed_line(reader: &mut Reader, table: &Table<'_>) -> Option<At<Torque
     };
     reader.report.error(present.span, "missing-key", format!("`{}` also needs `{missing}`", present.key));
     reader.report.help(
-        "a motor's torque falls from `stall_torque` at rest to 0 at `no_load_speed`: give both; `speed` \
-         limits speed alone, `torque` limits torque alone",
+        "give both, because a motor's torque falls from `stall_torque` at rest to 0 at `no_load_speed`. `speed` limits only the \
+         speed, `torque` only the torque",
     );
     None
 }
@@ -255,7 +254,7 @@ fn warn_of_unused_mounting(reader: &mut Reader, table: &Table<'_>, coupling: Rot
     for item in mounting.filter(|_| coupling == RotorCoupling::Diagonal) {
         let message = format!("`{}` has no effect with `coupling = \"diagonal\"`", item.key);
         reader.report.warning(item.span, "unused-key", message);
-        reader.report.help("remove `coupling` to describe the rotor as a body; otherwise remove this key");
+        reader.report.help("remove `coupling` to describe the rotor as a body. Otherwise remove this key");
     }
 }
 
@@ -273,8 +272,7 @@ fn torque(reader: &mut Reader, item: Item<'_>) -> Option<MotorTorque> {
         let message = format!("nominal torque {nominal} exceeds the peak torque {peak}");
         reader.report.error(item.span, "limits-reversed", message);
         reader.report.help(
-            "`nominal` is the motor's continuous torque and `peak` its short-time torque: \
-                            exchange them, or correct one",
+            "`nominal` is the motor's continuous torque and `peak` its short-time torque. Exchange them, or correct one",
         );
     }
     Some(torque)

@@ -29,8 +29,8 @@ fn read_point_force(reader: &mut Reader, table: &Table<'_>) -> Option<PointForce
     if table.get("law").is_none() && table.get("input").is_none() {
         reader.report.error(table.span, "missing-key", "a force needs `law` or `input`");
         reader.report.help(
-            "`law = \"1200*(l - 0.3) + 40*dl\"` is a spring and damper with distance l and its rate dl; \
-             `input = \"cylinder\"` is an input; positive forces pull together",
+            "`law = \"1200*(l - 0.3) + 40*dl\"` is a spring and damper with distance l and its rate dl. `input = \"cylinder\"` is \
+             an input. Positive forces pull together",
         );
         return None;
     }

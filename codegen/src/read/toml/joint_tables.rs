@@ -154,7 +154,7 @@ fn refuse(reader: &mut Reader, table: &Table<'_>, keys: &[&str], joint: &str, co
             format!("`{}` is given for {} joint `{joint}`, which already exists", item.key, composite.name());
         reader.report.error(item.key_span, "conflicting-keys", message);
         reader.report.help(format!(
-            "remove `{}`; a new joint needs `parent`, or another name than `{joint}`",
+            "remove `{}`. A new joint needs `parent`, or another name than `{joint}`",
             item.key
         ));
     }

@@ -107,8 +107,8 @@ fn read_type(reader: &mut Reader, table: &Table<'_>, item: Item<'_>, name: &Name
 
 /// The pitch of a helical joint (m/rad). After an error it is 1.
 fn pitch(reader: &mut Reader, table: &Table<'_>, name: &Name) -> f64 {
-    const HELP: &str = "`pitch` is the translation in m per rad: `pitch = \"0.02/(2*pi)\"` is 20 mm per turn; \
-                        negative values are left-handed screws";
+    const HELP: &str = "`pitch` is the translation in m per rad. `pitch = \"0.02/(2*pi)\"` is 20 mm per turn. Negative values are \
+                        left-handed screws";
     let Some(item) = table.get("pitch") else {
         let message = format!("helical joint `{}` has no `pitch`", name.value);
         reader.report.error(name.span, "missing-key", message).help(HELP);
@@ -117,7 +117,7 @@ fn pitch(reader: &mut Reader, table: &Table<'_>, name: &Name) -> f64 {
     match reader.number(item) {
         Some(pitch) if pitch.value == 0.0 => {
             reader.report.error(item.span, "pitch", format!("the pitch of joint `{}` is 0", name.value));
-            reader.report.help(format!("{HELP}; use type \"revolute\" for a joint that does not slide"));
+            reader.report.help(format!("{HELP}. Use type \"revolute\" for a joint that does not slide"));
             1.0
         }
         Some(pitch) => pitch.value,
@@ -229,7 +229,7 @@ fn check_parts(reader: &mut Reader, item: Item<'_>, name: &Name, composite: Comp
         let part = composite.parts()[0].name;
         reader.report.help(match item.row.value.keys().is_some_and(|keys| keys.row(entry.key).is_some()) {
             true => format!(
-                "the parts are {}; give each part a value: `{} = {{ {part} = {{ {} = … }} }}`",
+                "the parts are {}. Give each part a value: `{} = {{ {part} = {{ {} = … }} }}`",
                 composite.listed(),
                 item.key,
                 entry.key
@@ -265,7 +265,7 @@ fn refuse_in_composites(reader: &mut Reader, table: &Table<'_>, composite: Compo
     }
     let help = match composite {
         Composite::Universal => {
-            "the joint rotates about the x axis of its frame, then about the y axis: rotate the frame with `origin`"
+            "the joint rotates about the x axis of its frame, then about the y axis. Rotate the frame with `origin`"
         }
         Composite::Quaternion(_) => "the joint rotates about every axis: rotate its frame with `origin`",
         Composite::Cylindrical | Composite::Planar => return,

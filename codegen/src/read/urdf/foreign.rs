@@ -16,57 +16,53 @@ const EFFECTS: [Effect; 10] = [
     Effect {
         words: &ROTORS,
         idle: IDLE,
-        text: "rotor inertias, which add i² J to the diagonal of M, are not read from a URDF; write them in a \
-               TOML file as `drive = { gear_ratio = i, rotor_inertia = J, coupling = \"diagonal\" }` of the \
-               joint; skipped",
+        text: "skipped: rotor inertias are not read from a URDF. Write them in a TOML file as `drive = { gear_ratio = i, \
+               rotor_inertia = J, coupling = \"diagonal\" }` of the joint",
     },
     Effect {
         words: &["springstiffness", "springreference", "springref", "stiffness", "torsionalspring"],
         idle: IDLE,
-        text: "springs at joints are not read from a URDF; write them in a TOML file as `spring = { stiffness \
-               = 12, rest = 0.2 }` of the joint; skipped",
+        text: "skipped: springs at joints are not read from a URDF. Write them in a TOML file as `spring = { stiffness = 12, rest \
+               = 0.2 }` of the joint",
     },
     Effect {
         words: &["damping", "dampingfactor", "frictionloss", "viscousfriction", "coulombfriction"],
         idle: IDLE,
-        text: "friction and damping in the notation of other tools are not read; write them in a TOML file as \
-               `friction = { viscous = 0.5, coulomb = 2 }` of the joint; skipped",
+        text: "skipped: friction and damping in the notation of other tools are not read. Write them in a TOML file as `friction \
+               = { viscous = 0.5, coulomb = 2 }` of the joint",
     },
     Effect {
         words: &["linearbushingrpy", "bushing", "linearspringdamper", "forceelement"],
         idle: IDLE,
-        text: "forces between links are not read from a URDF; write them in a TOML file as `[[forces]]` with \
-               `between = [\"a\", \"b\"]` and `law = \"1200*(l - 0.3) + 40*dl\"`; skipped",
+        text: "skipped: forces between links are not read from a URDF. Write them in a TOML file as `[[forces]]` with `between = \
+               [\"a\", \"b\"]` and `law = \"1200*(l - 0.3) + 40*dl\"`",
     },
     Effect {
         words: &["buoyancy", "hydrodynamics", "liftdrag", "aerodynamics", "winddrag"],
         idle: &["false"],
-        text: "fluid forces are not read from a URDF; describe forces along a line with `[[forces]]` in a TOML \
-               file; skipped",
+        text: "skipped: fluid forces are not read from a URDF. Describe forces along a line with `[[forces]]` in a TOML file",
     },
     Effect {
         words: &["loopjoint", "ballconstraint", "connect", "weld", "distanceconstraint"],
         idle: &[],
-        text: "the constraints of closed loops are not read, so the robot moves without them; if the remaining \
-               motion is linear, describe it in a TOML file with `follows = { … }` of a joint; skipped",
+        text: "skipped: the constraints of closed loops are not read, so the robot moves without them. Describe a linear \
+               dependence of joints in a TOML file with `follows = { … }`",
     },
     Effect {
         words: &["mimicjoint"],
         idle: &[],
-        text: "joint couplings by plugins are not read; use `<mimic>` of the joint, or `follows = { leader = \
-               -1 }` in a TOML file; skipped",
+        text: "skipped: joint couplings by plugins are not read. Use `<mimic>` of the joint, or `follows = { leader = -1 }` in a \
+               TOML file",
     },
     Effect {
         words: &["turngravityoff", "gravcomp"],
         idle: IDLE,
-        text: "gravity acts on all links in gelenk, and `gravity = [0, 0, 0]` in a TOML file removes it from \
-               all links; skipped",
+        text: "skipped: in gelenk, gravity acts on all links. `gravity = [0, 0, 0]` in a TOML file removes it from all links",
     },
     Effect {
         words: &["gravity"],
         idle: &["1", "true", "0 0 -9.81"],
-        text: "gravity other than (0, 0, -9.81) is not read from a URDF; write it in a TOML file as `gravity = \
-               [0, 0, -1.6]`; skipped",
+        text: "skipped: gravity other than 0, 0, -9.81 m/s² is not read from a URDF. Write it in a TOML file as `gravity = [0, 0, -1.6]`",
     },
     Effect {
         words: &[
@@ -78,8 +74,7 @@ const EFFECTS: [Effect; 10] = [
             "inertiafromgeom",
         ],
         idle: &["0", "0.0", "1", "1.0", "-1", "false", "auto"],
-        text: "changes of masses and inertias by other tools are not read; write `mass` and `inertia` of the \
-               body in a TOML file; skipped",
+        text: "skipped: changes of masses and inertias by other tools are not read. Write `mass` and `inertia` of the body in a TOML file",
     },
 ];
 

@@ -306,8 +306,7 @@ impl Reader<'_> {
             let message = format!("planar joint {owner} has no <axis>, the normal of its plane");
             self.report.error(self.span(node), "missing-element", message);
             self.report.help(
-                "the default axis of URDF is x, but many tools use z: `<axis xyz=\"0 0 1\"/>` moves the \
-                 joint in the x-y plane",
+                "the default axis of URDF is x, but many tools use z. `<axis xyz=\"0 0 1\"/>` moves the joint in the x-y plane",
             );
         }
         if let Some(limit) = self.single(node, "limit", &owner) {

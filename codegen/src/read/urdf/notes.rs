@@ -27,7 +27,7 @@ pub(super) const AXIS_NORMALIZED: Remark =
     Remark::note("axis-normalized", "axes and quaternions were normalized");
 pub(super) const CONTINUOUS_LIMITS: Remark = Remark::note(
     "continuous-limits",
-    "continuous joints have no position limits; the given limits were ignored",
+    "continuous joints have no position limits. The given limits were ignored",
 );
 pub(super) const DUPLICATE_ELEMENT: Remark =
     Remark::warning("duplicate-element", "only the first of several elements of the same kind was used");
@@ -35,7 +35,7 @@ pub(super) const EMPTY_INERTIAL: Remark =
     Remark::warning("empty-inertial", "links with an empty <inertial> have no mass");
 pub(super) const LIMIT_MISSING: Remark = Remark::note(
     "limit-missing",
-    "ROS rejects revolute and prismatic joints without <limit>; in gelenk these joints have no limits",
+    "ROS rejects revolute and prismatic joints without <limit>. In gelenk, these joints have no limits",
 );
 pub(super) const LIMIT_UNSET: Remark =
     Remark::note("limit-unset", "limits that are 0 or infinite were ignored");
@@ -43,7 +43,8 @@ pub(super) const LIMIT_UNUSABLE: Remark =
     Remark::warning("limit-unusable", "limits that are reversed, equal or negative were ignored");
 pub(super) const PLANAR_LIMITS: Remark = Remark::note(
     "planar-limits",
-    "limits of joints with several degrees of freedom were ignored, because they do not name a motion (a TOML file can give limits for each part)",
+    "limits of joints with several degrees of freedom were ignored, because they do not name a motion. A TOML file can give \
+     limits for each part",
 );
 pub(super) const REDUCTION_IGNORED: Remark = Remark::note(
     "transmission-ignored",
@@ -55,7 +56,7 @@ pub(super) const ROTOR_READ: Remark = Remark::note(
 );
 pub(super) const SPHERICAL_WITHOUT_DRIVE: Remark = Remark::note(
     "spherical-without-drive",
-    "spherical joints of a URDF have no drive and no input (a TOML file can add inputs with `drive = \"ideal\"`)",
+    "spherical joints of a URDF have no drive and no input. A TOML file can add inputs with `drive = \"ideal\"`",
 );
 pub(super) const UNKNOWN: Remark = Remark::warning(
     "unknown-tag",

@@ -48,8 +48,8 @@ pub(super) fn report(node: Node<'_, '_>, span: Span, file: &str, report: &mut Re
     report.error(span, "xacro-not-expanded", format!("{message}: expand the file first"));
     let expanded = expanded(file);
     report.help(format!(
-        "`xacro {} > {}` expands the file (ROS package xacro, or `pip install xacro`); write arguments of \
-         the file as `name:=value` after its name",
+        "`xacro {} > {}` expands the file. Install it by the ROS package xacro, or by `pip install xacro`. Write arguments of the \
+         file as `name:=value` after its name",
         quoted(file),
         quoted(&expanded)
     ));

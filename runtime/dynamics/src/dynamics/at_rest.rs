@@ -1,8 +1,8 @@
 //! Friction just before and just after rest.
 
 /// Speed [rad/s or m/s] at which friction is evaluated just before or just after rest. At this speed, a discontinuous friction
-/// law has the value of the direction of motion, and other laws have the value at rest. The speed does not underflow when it
-/// is multiplied by a gear ratio.
+/// law has its limit for motion in this direction. A continuous law has its value at rest. The speed does not underflow when
+/// it is multiplied by a gear ratio.
 pub const JUST_MOVING: f64 = 1e-300;
 
 /// Largest difference between both sides of rest for friction without a jump. This difference is the slope of friction times

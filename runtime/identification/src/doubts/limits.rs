@@ -175,10 +175,10 @@ impl Log<'_> {
         let measured = self.joints.iter().filter(|joint| !unmeasured[**joint]);
         self.worst(measured.map(|joint| range(*joint)), |times, unit| {
             let known = likely(times, if unit == "N" { &[] } else { TORQUES });
-            let known = known.map(|name| format!("the efforts may be in {name}: use --columns '{key}={pattern}[{name}]'; "));
+            let known = known.map(|name| format!("the efforts may be in {name}: use --columns '{key}={pattern}[{name}]'. Otherwise, "));
             Some(format!(
-                "{}for counts and percents, give a factor: --columns '{key}={pattern}[0.05 {}]'; for currents, use \
-                 --effort current; for efforts of the motors, use --effort input",
+                "{}for counts and percents, give a factor: --columns '{key}={pattern}[0.05 {}]'. For currents, use --effort \
+                 current. For efforts of the motors, use --effort input",
                 known.unwrap_or_default(),
                 unit.replace('·', "")
             ))
@@ -230,7 +230,7 @@ impl Log<'_> {
         let others: Vec<&str> = all[1..].iter().map(|(_, range)| range.joint).collect();
         let others = match others[..] {
             [] => String::new(),
-            _ => format!("; the values of {} also exceed their limits", others.join(", ")),
+            _ => format!(". The values of {} also exceed their limits", others.join(", ")),
         };
         let [least, most] = range.limits;
         let [low, high, least, most] = [*low, *high, least, most].map(|x| plain(x, 4));
@@ -243,11 +243,12 @@ impl Log<'_> {
         let rule = if is_far { FAR_BEYOND } else { BEYOND };
         let found = rule.found(message).joint(range.joint).with("times the limit", *times, "");
         // An option for one run would change the other runs, too.
-        let alone =
-            run.map(|_| "`--columns` applies to all logs: convert this log to the units of the other logs");
-        let accept = "or correct the limits in the description; `--accept-poor` uses the values unchanged";
+        let alone = run.map(
+            |_| "Convert this log to the units of the other logs, because `--columns` applies to all logs",
+        );
+        let accept = "Or correct the limits in the description. `--accept-poor` uses the values unchanged";
         let remedy = help(*times, &range.unit).into_iter().chain(alone.filter(|_| is_far).map(str::to_owned));
-        let remedy = remedy.chain(is_far.then(|| accept.to_owned())).collect::<Vec<_>>().join("; ");
+        let remedy = remedy.chain(is_far.then(|| accept.to_owned())).collect::<Vec<_>>().join(". ");
         Some(if remedy.is_empty() { found } else { found.help(remedy) })
     }
 }

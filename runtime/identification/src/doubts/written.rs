@@ -49,8 +49,7 @@ pub(crate) fn judge(joint: &mut JointEstimate, law: &mut FrictionResult) {
     joint.sigma = law.residual;
     if loss > levels::NOTICEABLE.get() {
         let message = format!(
-            "the friction law explains the efforts less well than viscous and Coulomb friction would: R² on held-out data is \
-             {} instead of {}",
+            "viscous and Coulomb friction would explain the efforts better than the friction law. R² on held-out data is {} instead of {}",
             plain(joint.held_out_r_squared, 3),
             plain(before, 3)
         );
@@ -248,11 +247,10 @@ fn not_written(joint: &JointEstimate, recordings: usize, with_offsets: f64) -> F
     let unit = joint.unit;
     let said = match recordings {
         1 => format!(
-            "its offset of {high} {unit} is not part of the law, because one run does not show whether the offset is the \
-             same in every run"
+            "its offset of {high} {unit} is not part of the law. One run does not show whether the offset is the same in every run"
         ),
         n => format!(
-            "its offsets of {low} to {high} {unit} are not part of the law, because {n} runs do not show a common offset"
+            "its offsets of {low} to {high} {unit} are not part of the law, because the {n} runs do not show a common offset"
         ),
     };
     let message = format!(
@@ -262,5 +260,5 @@ fn not_written(joint: &JointEstimate, recordings: usize, with_offsets: f64) -> F
     );
     OFFSET
         .found(message)
-        .help("give logs of more runs: an offset that is the same in all runs becomes a constant of the law")
+        .help("give logs of more runs. An offset that is the same in all runs becomes a constant of the law")
 }

@@ -108,8 +108,8 @@ impl Checked<'_> {
         let (factor, share) = self.explained(joint, &|run, i| self.task.runs[run].accelerations[joint][i])?;
         self.is_suspicious(share).then(|| {
             let message = format!(
-                "its residual follows the acceleration, so the model's inertia is wrong: {} times the acceleration explains {:.0} % of the \
-                 residual's variance",
+                "the inertia in the model is wrong, because the residual follows the acceleration. {} times the acceleration \
+                 explains {:.0} % of the residual's variance",
                 plain(factor, 3),
                 100.0 * share
             );
@@ -163,7 +163,7 @@ impl Checked<'_> {
 
 /// The finding about a joint without a usable effort in the logs.
 pub(super) fn no_effort(robot: &dyn Robot, joint: usize) -> Finding {
-    let message = "it has no measured effort, or only currents while it rests: its friction, drive and offset stay as described, \
-                   and its body is estimated from the efforts of other joints alone";
+    let message = "it has no measured effort, or only currents while it rests. Its friction, drive and offset stay as described. \
+                   Its body is estimated from the efforts of other joints";
     NO_EFFORT.found(message).of(robot.subject(joint))
 }

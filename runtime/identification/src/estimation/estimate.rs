@@ -117,7 +117,7 @@ fn untold(robot: &dyn Robot, error: &IdentificationError) -> Option<(usize, Find
         None if !reasons.iter().any(is_unexplained) => return None,
         None => (refusal.message.clone(), None),
     };
-    let kept = "It is left out: its friction and drive, and body parameters that other joints do not determine, stay as described";
+    let kept = "It is left out. Its friction and drive, and body parameters that other joints do not determine, stay as described";
     let finding = LEFT_OUT.found(format!("{reason}. {kept}")).of(refusal.about.subject.clone());
     let joint =
         (0..robot.joint_names().len()).find(|joint| robot.subject(*joint) == finding.about.subject)?;
@@ -169,7 +169,7 @@ fn under_load(
         }
     }
     let message = format!(
-        "load-dependent friction did not settle within {PASSES} passes, so the intervals of its coefficients are too narrow"
+        "load-dependent friction did not converge within {PASSES} passes, so the intervals of its coefficients are too narrow"
     );
     found.findings.push(UNSETTLED.found(message));
     Ok(found)
@@ -190,7 +190,7 @@ fn pass(
     let (first_fit, more) = (None, None);
     let task = Task { robot, runs, settings, layout, prior: &prior, gravity, pieces, loads, first_fit, more };
     let samples: usize = runs.iter().map(|r| r.times.len()).sum();
-    progress(&format!("The regressor is evaluated at {samples} samples of {} runs.", runs.len()));
+    progress(&format!("The equations of motion are evaluated at {samples} samples of {} runs.", runs.len()));
     let (task, first) = task.with_its_compensation(progress)?;
     let first_fit = task.first_fit(&first)?;
     let (task, first) = match &first_fit {

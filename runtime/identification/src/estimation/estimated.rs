@@ -113,7 +113,8 @@ impl Estimated<'_> {
             Offsets::Common => "each joint's force has one constant offset for all runs",
             Offsets::ByRun => "each joint's force has a separate constant offset for each run",
         };
-        let exact = "forces at spherical and floating joints come from the inputs alone: no offset and no friction is estimated there";
+        let exact = "the forces at spherical and floating joints are computed from the inputs and taken as exact. Neither an \
+                     offset nor friction is estimated for these joints";
         let said = [(false, said), (true, exact)];
         said.into_iter()
             .filter(|(kind, _)| self.layout.exact.contains(kind))
@@ -181,8 +182,8 @@ impl Estimated<'_> {
         let said: Vec<String> = numbers.iter().map(|number| said(self.delay(*number))).collect();
         (!said.is_empty()).then(|| {
             let message = format!(
-                "the delay of the efforts is estimated together with all other parameters: it is {} in addition to the delay \
-                 that was removed before. The intervals include the uncertainty of this delay",
+                "the delay of the efforts is {} in addition to the delay that was removed before. It was estimated together with \
+                 all other parameters, and the intervals include its uncertainty",
                 said.join(", ")
             );
             DELAYS.found(message).help("if the delay is known, set it with --delay")
@@ -215,8 +216,8 @@ impl Estimated<'_> {
         let names = self.robot.parameter_names();
         let all = self.solved.active.iter().filter(|&&global| global < names.len()).count();
         let weight = format!(
-            "the description has the weight {}: the data determine {:.1} of {all} combinations of inertial \
-             parameters, and the description determines the rest",
+            "the description has the weight {}. The data determine {:.1} of {all} combinations of inertial parameters, and the \
+             description determines the rest",
             plain(self.chosen.weighting.description, 4),
             self.covariance.decided
         );
@@ -226,8 +227,8 @@ impl Estimated<'_> {
             let percent = 100.0 * self.fall_by_doubt(*body)?;
             let body = names[body * PER_BODY].trim_start_matches("m_");
             let message = format!(
-                "the description of body {body} has a smaller weight than the descriptions of other bodies. The smaller \
-                 weight lowers the error on held-out data by {} %",
+                "the description of body {body} contradicts the data, so it has a smaller weight than those of other bodies. This \
+                 lowers the error on held-out data by {} %",
                 plain(percent, 2)
             );
             Some(CONTRADICTED.found(message).with("fall of the error", percent, "%"))
@@ -302,9 +303,9 @@ impl Estimated<'_> {
     fn untold_gains(&self) -> Vec<Finding> {
         let untold = |joint: &usize| !self.gain(*joint).has_one_size();
         let finding = |joint: usize| {
-            let message = "its motor constant is unknown: the described bodies load the joint too little, or only by an inertia that \
-                           cannot be distinguished from the drive's. Its torques, friction and inertia may be wrong by a common \
-                           factor; predicted currents are not affected";
+            let message = "its motor constant cannot be determined, so its torques, friction and inertia may be wrong by a common \
+                           factor. The described bodies load the joint too little, or only by an inertia like the drive's. \
+                           Predicted currents are not affected";
             let remedy = "set `motor_constant` from the data sheet or from a test with a known load, or convert the currents to torques";
             MOTOR_CONSTANT.found(message).of(self.robot.subject(joint)).help(remedy)
         };
@@ -341,9 +342,9 @@ const UNEXPLAINED: Rule = Rule::error("unexplained-effort");
 
 /// The finding about a force that no hypothesis explains, with the usual reasons.
 pub(super) fn unexplained(robot: &dyn Robot, joint: usize) -> Finding {
-    let remedy = "check sign, unit and assignment of the columns, that the robot moved freely, and how it is mounted (`gravity` of \
-                  the description)";
-    UNEXPLAINED.found("no tested cause explains its effort").of(robot.subject(joint)).help(remedy)
+    let remedy = "check sign, unit and assignment of the columns, whether the robot moved freely, and `gravity` of the description";
+    UNEXPLAINED.found("the model hardly explains the measured effort of this joint, and none of the checked faults of the log \
+                       explains it better").of(robot.subject(joint)).help(remedy)
 }
 
 /// Whether a finding is the one of [`unexplained`].
@@ -396,10 +397,10 @@ pub(super) fn require_explained(
     let r_squared = held_out[joint];
     let message = match r_squared >= least {
         true => format!(
-            "its fit is refused, although R² is {r_squared:.3} on held-out data; the next finding is the reason"
+            "its fit is refused, although R² is {r_squared:.3} on held-out data. The next finding is the reason"
         ),
         false => format!(
-            "the fit does not explain its effort: R² is {r_squared:.3} on held-out data, but at least {least} is required"
+            "the fit does not explain its effort. R² is {r_squared:.3} on held-out data, but at least {least} is required"
         ),
     };
     let refusal = DOUBTED.found(message).with("R²", r_squared, "").of(robot.subject(joint));

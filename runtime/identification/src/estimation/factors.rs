@@ -69,7 +69,7 @@ pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Optio
         Effort::Current => ("gear ratio and motor constant", format!("'current=i1|i2[{shown} A]|i3'")),
     };
     let remedy = format!(
-        "check the effort's unit, {sources}, and the zero of its position; to multiply one column by the factor, use --columns {example}"
+        "check the effort's unit, {sources}, and the zero of its position. To multiply one column by the factor, use --columns {example}"
     );
     let message = format!("the data are explained better if its effort is multiplied by {shown}");
     Ok(Some(rule.found(message).with("factor", *factor, "").help(remedy)))

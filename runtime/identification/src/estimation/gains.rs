@@ -263,7 +263,7 @@ impl<'a> Equations<'a> {
             what: "the estimate of motor constants".into(),
             iterations: STEPS as usize,
             detail: format!(
-                "in the last one, ln(constant) still changed by more than {SETTLED}: record a longer motion"
+                "in the last one, ln(constant) still changed by more than {SETTLED}. Record a longer motion"
             ),
         })
     }

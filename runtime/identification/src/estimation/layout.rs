@@ -300,8 +300,8 @@ fn measured(robot: &dyn Robot, runs: &[PreparedRun]) -> Vec<bool> {
 fn require_known_inputs(robot: &dyn Robot, effort: Effort) -> Result<()> {
     if effort != Effort::Joint && robot.has_inputs_at_frames() {
         return Err(Place::default().fault(
-            "some inputs act at frames, so their forces at the joints depend on the positions: convert the efforts to forces at the \
-             joints first, and use --effort joint",
+            "efforts of inputs at frames are not supported here, because their forces at the joints depend on the positions. \
+             Convert the efforts to forces at the joints, and use --effort joint",
         ));
     }
     if known_gains(robot, effort).contains(&false) { require_own_inputs(robot) } else { Ok(()) }
@@ -331,7 +331,7 @@ fn require_own_inputs(robot: &dyn Robot) -> Result<()> {
         return Ok(());
     }
     Err(Place::default().fault(
-        "motor constants can be estimated only if each joint has one input that drives no other joint: convert the currents to \
+        "motor constants can be estimated only if each joint has one input that drives no other joint. Convert the currents to \
          forces of the inputs first",
     ))
 }

@@ -37,8 +37,7 @@ impl Loads {
         let joints: Vec<bool> = (0..layout.joints).map(|joint| layout.moves[joint] && own[joint]).collect();
         if !joints.contains(&true) {
             return Err(Place::default().fault(
-                "no moving joint has an input that drives only this joint, and the load of a gear is known only at such \
-                 joints: leave out --load-friction",
+                "load-dependent friction needs a moving joint with an input that drives only this joint. Leave out --load-friction",
             ));
         }
         let values = found.parameters.iter().zip(robot.parameters());

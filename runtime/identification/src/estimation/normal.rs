@@ -322,8 +322,8 @@ impl Factor {
         }
         let largest = a.amax();
         if largest < LARGEST_SUM {
-            let reason = "the equations are singular: the log is too short, or the robot moves too little. Record 10 s or more in \
-                          which all joints move";
+            let reason = "the equations are singular, because the log is too short or the robot moves too little. Record 10 s or \
+                          more in which all joints move";
             return Err(IdentificationError::NoSolution { reason: reason.into() });
         }
         Err(IdentificationError::Overflow { what: "the sum of products".into(), largest })

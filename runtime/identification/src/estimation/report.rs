@@ -77,9 +77,8 @@ impl Report<'_> {
     fn gravity(&self) -> Option<Finding> {
         (self.fitted.gravity == Gravity::CompensatedAsDescribed).then(|| {
             AS_DESCRIBED.found(
-                "the robot compensates the weight of the described bodies only. The estimated bodies contain the additional weight \
-                 that the efforts show; if the model in the robot differs from the description, their weight is wrong by the \
-                 difference",
+                "the robot compensates only the weight of the described bodies. The estimated bodies contain the additional \
+                 weight that the efforts show. Their weight is wrong if the model in the robot differs from the description",
             )
         })
     }

@@ -61,7 +61,7 @@ pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Optio
     let message =
         format!("the data are explained better with {shown} {force}/{unit} {side} stiffness than described");
     let remedy = format!(
-        "if the joint has a spring or a cable that pulls, {change} its `spring = {{ stiffness = … }}` by {shown}; otherwise check \
+        "if the joint has a spring or a cable that pulls, {change} its `spring = {{ stiffness = … }}` by {shown}. Otherwise check \
          the load"
     );
     Ok(Some(rule.found(message).with("stiffness", stiffness, "").help(remedy)))

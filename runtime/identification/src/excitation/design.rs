@@ -179,7 +179,7 @@ impl<'a> Design<'a> {
         }
         match self.information(&instants).cholesky() {
             Some(factor) => -2.0 * factor.l().diagonal().iter().map(|x| x.ln()).sum::<f64>(),
-            None => self.refusals.refuse("the motion does not excite all parameters"),
+            None => self.refusals.refuse("the motion does not determine all parameters"),
         }
     }
 
@@ -239,8 +239,8 @@ impl<'a> Design<'a> {
         let beyond: Vec<String> = self.beyond(approach).collect();
         (!beyond.is_empty()).then(|| {
             format!(
-                "the path from the start posture needs more effort than the plan may use, at {}: move along the path more \
-                 slowly, or start from a nearer posture",
+                "the path from the start posture needs more effort than the plan may use, at {}. Move more slowly, or start from \
+                 a nearer posture",
                 beyond.join(", ")
             )
         })

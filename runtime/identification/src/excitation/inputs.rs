@@ -124,7 +124,8 @@ pub(super) fn keep_sides(robot: &dyn Robot, chart: &Chart, limits: &mut [Excitat
         if let Some([first, last]) = longest_side(&levers) {
             limit.position = [places[first], places[last]];
             notes.push(format!(
-                "the input {} has a dead centre within the limits of joint {}, so the plan moves this joint only from {:.2} to {:.2}",
+                "the input {} has a dead centre within the limits of joint {}. Therefore the plan moves this joint only from \
+                 {:.2} to {:.2}",
                 inputs[input], joints[joint], places[first], places[last]
             ));
         }
@@ -161,8 +162,9 @@ pub(super) fn require_driven(robot: &dyn Robot, states: &[Instant]) -> Result<()
     let is_moved = |joint: usize| matrices.iter().any(|matrix| matrix.row(joint).iter().any(|b| *b != 0.0));
     match robot.joint_names().into_iter().enumerate().find(|(joint, _)| !is_moved(*joint)) {
         Some((_, joint)) => Err(at_joint(joint).fault(
-            "it has no drive, and no input at a frame moves it, so no motion can be planned; describe the force that moves it (`drive`, \
-             `[[drives]]`, `[[forces]]` with an `input`), or hold it (`held = 0`) for the plan and its logs",
+            "no motion can be planned, because neither a drive nor an input at a frame moves this joint. Describe the force that \
+             moves it by `drive`, `[[drives]]`, or `[[forces]]` with an `input`, or hold it by `held = 0` for the plan and its \
+             logs",
         )),
         None => Ok(()),
     }
@@ -185,11 +187,10 @@ fn require_all_directions(joint: &QuaternionJoint, matrices: &[DMatrix<f64>]) ->
         false => ("spherical", "a joint by `type = \"fixed\"`"),
     };
     Err(at_joint(&joint.name).fault(format!(
-        "no motion is planned, because the inputs move this {kind} joint in only {moved} of its {} directions: its motion in the \
-         other directions cannot be controlled. Record free motions instead, which `gelenk identify` accepts; or \
-         describe the inputs that hold the joint while it moves (`[[inputs]]` with `frame` and `wrench`); or clamp the bodies \
-         that it carries, describe the joint as fixed for the plan and its logs ({fixed}), and identify the other parameters from \
-         free motions",
+        "no motion is planned, because the inputs move this {kind} joint in only {moved} of its {} directions. Record free \
+         motions, which `gelenk identify` accepts. Or describe the inputs that hold the joint while it moves: `[[inputs]]` with \
+         `frame` and `wrench`. Or clamp its bodies, describe the joint as fixed ({fixed}) for the plan and its logs, and identify \
+         the other parameters from free motions",
         rows.len()
     )))
 }

@@ -154,7 +154,7 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
 fn smaller(size: f64) -> Option<Finding> {
     (size < 1.0).then(|| {
         let message = format!(
-            "this motion has only {:.0} % of the size that the limits allow, because larger motions need more effort than the plan may use",
+            "this motion has only {:.0} % of the size that the limits allow. Larger motions need more effort than the plan may use",
             100.0 * size
         );
         SMALLER.found(message).help("give a longer period (--seconds) for a larger motion")

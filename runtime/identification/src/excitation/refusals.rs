@@ -23,19 +23,19 @@ impl Refusals {
         let counts = self.counts.borrow();
         let most = counts.iter().max_by_key(|(_, count)| **count);
         let most = most.map_or_else(String::new, |(what, count)| {
-            format!(" (the most frequent reason, in {count} motions: {what})")
+            format!(". Most frequent reason ({count} motions): {what}")
         });
         if !at_rest.is_empty() {
             return format!(
-                "holding the robot still at the middle of its position limits already needs more effort than the plan may use, at \
-                 {}: raise the effort limits or --effort-share, or narrow the position limits to postures that need less effort",
+                "holding the robot still at the middle of its position limits needs more effort than the plan may use, at {}. \
+                 Raise the effort limits or --effort-share, or narrow the position limits to postures that need less effort",
                 at_rest.join(", ")
             );
         }
         format!(
-            "no motion was found that determines all parameters within the limits of efforts and of joints that follow others, even at \
-             a tenth of the size that the position limits allow{most}: raise the effort limits, lower --speed-share, raise \
-             --seconds, or narrow the limits of the joints that others follow"
+            "no motion within the limits determines all parameters, even at a tenth of the size that the position limits allow. \
+             Checked were the effort limits and the limits of following joints{most}. Raise the effort limits or --seconds, lower \
+             --speed-share, or narrow the position limits of the joints that others follow"
         )
     }
 }

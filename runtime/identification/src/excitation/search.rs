@@ -108,7 +108,7 @@ impl Excitation {
                 &format!("range of positions of joint {}", i + 1),
                 range,
                 range > 0.0 && low.is_finite() && high.is_finite(),
-                "it must be positive and finite; give bounds to joints without limits",
+                "it must be positive and finite. Give bounds to joints without limits",
             )?;
             let others = [("velocity", limit.velocity), ("acceleration", limit.acceleration)];
             for (name, value) in others {

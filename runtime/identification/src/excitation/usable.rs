@@ -63,8 +63,7 @@ pub(super) fn assumptions(robot: &dyn Robot, settings: &PlanSettings, chart: &Ch
     let turning: Vec<&str> = chart.rotations().map(|(name, _)| name).collect();
     let turn = (!turning.is_empty()).then(|| {
         format!(
-            "these joints have a quaternion and no position limits, so they rotate by up to {:.2} rad from the quaternion 0, 0, 0, \
-             1: {}",
+            "these joints have no position limits, so they rotate by up to {:.2} rad from the quaternion 0, 0, 0, 1: {}",
             settings.position_share * settings.turn,
             turning.join(", ")
         )

@@ -32,7 +32,7 @@ impl LogMoments {
         let size = fs::metadata(path).map_err(|e| fault(e.to_string()))?.len();
         if size > LARGEST {
             return Err(fault(format!(
-                "it has {size} bytes, but a file of moments has at most {LARGEST}: name another file"
+                "it has {size} bytes, but a file of moments has at most {LARGEST}. Name another file"
             )));
         }
         Self::from_bytes(&fs::read(path).map_err(|e| fault(e.to_string()))?, &place)
@@ -52,7 +52,7 @@ impl LogMoments {
             |message: String| at(path.display().to_string()).fault(format!("cannot be written: {message}"));
         if !may_be_replaced(path, MAGIC).map_err(|e| fault(e.to_string()))? {
             return Err(fault(
-                "the existing file is not a file of moments: name another file, or remove this one first"
+                "the existing file is not a file of moments. Name another file, or remove this one first"
                     .into(),
             ));
         }
@@ -84,12 +84,11 @@ impl LogMoments {
         }
         if !bytes.starts_with(FIRST_LINE) {
             return Err(fault(
-                "its format is not version 4, the only one that this gelenk reads: reduce the logs again \
-                 with this gelenk",
+                "this gelenk reads only version 4 of the format. Reduce the logs again with this gelenk",
             ));
         }
         let altered = || {
-            fault("it was cut off or changed after it was written: copy it again, or reduce its logs again")
+            fault("it was cut off or changed after it was written. Copy it again, or reduce its logs again")
         };
         let (content, hash) =
             bytes.split_at_checked(bytes.len() - HASH.min(bytes.len())).ok_or_else(altered)?;

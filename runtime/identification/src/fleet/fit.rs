@@ -104,8 +104,8 @@ impl LogMoments {
             return Ok(());
         }
         Err(fault(
-            "the moments were made with another description, with files that have changed since, or with other options for \
-             reading: name the same description and options, or repeat `gelenk identify --reduce`",
+            "the file of moments was made with another description, other options for reading, or files that have changed since. \
+             Name the same description and options, or repeat `gelenk identify --reduce`",
         ))
     }
 
@@ -126,7 +126,7 @@ impl LogMoments {
             return Ok(columns);
         }
         Err(fault(
-            "these moments were made by another version of gelenk: reduce the logs again with this version",
+            "the file of moments was made by another version of gelenk. Reduce the logs again with this version",
         ))
     }
 
@@ -142,8 +142,8 @@ impl LogMoments {
             return Ok(shares);
         }
         Err(fault(&format!(
-            "the samples are in only {} of 16 groups, but cross-validation needs at least {fewest} groups with samples: add \
-             more logs or longer logs",
+            "cross-validation needs samples in at least {fewest} of 16 groups, but only {} groups have samples. Add more logs or \
+             longer logs",
             shares.len()
         )))
     }
@@ -194,8 +194,9 @@ impl LogMoments {
         let (logs, samples, shares) = (self.logs.len(), self.samples(), self.shares());
         let plural = if logs == 1 { "log" } else { "logs" };
         vec![format!(
-            "moments of {logs} {plural}, {samples} samples, {seconds:.1} s, in {shares} groups for cross-validation; low-pass filter of {filters}. \
-             Each run has an offset, which R² takes into account, but the moments do not contain these offsets"
+            "moments of {logs} {plural}, {samples} samples, {seconds:.1} s, in {shares} groups for cross-validation, low-pass \
+             filter {filters}. R² is computed with one offset for each run. The values of these offsets cannot be computed from \
+             moments, so they are not reported"
         )]
     }
 
@@ -205,14 +206,14 @@ impl LogMoments {
         let [early, late] = self.range(&|log| log.delays);
         let filters = (wide > levels::OTHER_FILTER.get() * narrow).then(|| {
             let message = format!(
-                "the logs passed filters of different bandwidths ({narrow:.3} to {wide:.3} Hz), so the moments mix different signals"
+                "the logs passed filters of different bandwidths, {narrow:.3} to {wide:.3} Hz, so their sums mix different signals"
             );
             OTHER_FILTERS.found(message).help("use the same --bandwidth for every --reduce")
         });
         let delays = (late - early > levels::OTHER_DELAY.get()).then(|| {
             let [early, late] = [early, late].map(|delay| 1e3 * delay);
             let message = format!(
-                "different delays, from {early:.1} to {late:.1} ms, were removed from the efforts of the logs, so one of these \
+                "the delays that were removed from the efforts of the logs differ: {early:.1} to {late:.1} ms. One of these \
                  delays may be wrong"
             );
             OTHER_DELAYS.found(message).help("use the same --delay for every --reduce")

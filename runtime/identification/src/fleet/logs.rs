@@ -291,7 +291,7 @@ fn twice(place: &str, name: &str, before: &str, other: &str) -> IdentificationEr
         format!("it has the same samples as {before}: give each log only once")
     } else {
         format!(
-            "its log {name} has the same samples as the log {other} in {before}: leave out one of the two files"
+            "its log {name} has the same samples as the log {other} in {before}. Leave out one of the two files"
         )
     };
     at(place).fault(message)
@@ -302,8 +302,8 @@ fn require_same(first: &About, other: &About, before: &str, place: &str) -> Resu
     let fault = |message: String| Err(at(place).fault(message));
     if first.description != other.description {
         return fault(format!(
-            "its moments belong to another description than those of {before}: reduce its logs again with the \
-             intended description and the same reading options"
+            "it was made with another description than {before}. Reduce its logs again with the intended description and the same \
+             options for reading"
         ));
     }
     for ((mine, remedy), (theirs, _)) in made_with(first).into_iter().zip(made_with(other)) {
@@ -313,7 +313,7 @@ fn require_same(first: &About, other: &About, before: &str, place: &str) -> Resu
     }
     if first.widths != other.widths {
         return fault(format!(
-            "its moments have other columns than those of {before}: reduce all logs with the same version of gelenk"
+            "it has other columns than {before}. Reduce all logs with the same version of gelenk"
         ));
     }
     Ok(())

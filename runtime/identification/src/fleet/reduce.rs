@@ -52,7 +52,7 @@ pub fn reduce(
     progress: &mut dyn FnMut(&str),
 ) -> Result<LogMoments> {
     let help = "identify from the logs themselves, all of them in one call";
-    require_no_driven(robot, "logs are not reduced to moments", help)?;
+    require_no_driven(robot, "logs cannot be reduced to a file of moments", help)?;
     let logs = [log.to_owned()];
     let mut noted = Vec::new();
     let read = read_and_prepare(robot, &logs, settings, &mut noted, progress);

@@ -197,7 +197,7 @@ fn the_sum_finds_what_the_arm_is_and_what_the_logs_themselves_give() {
         assert!((torque - truth).abs() < band.max(0.02), "{torque} ± {band}, {truth}");
     }
     assert!(law.result.settings.iter().any(|note| note.message
-        == "the Stribeck law was not tried, because it needs single samples, and moments contain only sums"));
+        == "the Stribeck law was not tried, because a file of moments does not contain the single samples"));
     let FrictionLaw::Terms(terms) = &law.result.law else { panic!("a law of terms") };
     assert!(terms.iter().all(|term| term.standard_error.is_some()));
     // Alike, not equal: offsets belong to runs here.
@@ -358,7 +358,8 @@ fn what_does_not_belong_together_is_refused_with_what_to_do() {
     let message = sum(&[&all[0], &all[1], &copy]).unwrap_err().to_string();
     assert_eq!(
         message,
-        "error[unusable-input]: 2.moments: its log copy.csv has the same samples as the log 1.csv in 0.moments: leave out one of the two files"
+        "error[unusable-input]: 2.moments: its log copy.csv has the same samples as the log 1.csv in 0.moments. Leave out one of \
+         the two files"
     );
     // A copy that an editor ended with another line has the same samples.
     let copy = reduced(folder.path(), "copy.csv", &format!("{}\n", log(1, false)), &settings()).unwrap();
@@ -371,7 +372,7 @@ fn what_does_not_belong_together_is_refused_with_what_to_do() {
     let mut few = all[0].clone();
     few.shares.iter_mut().skip(3).for_each(|share| *share = super::logs::Share::default());
     let few = merged(&few, &settings()).unwrap_err().to_string();
-    assert!(few.contains("of 16 groups") && few.contains("add more logs"), "{few}");
+    assert!(few.contains("of 16 groups") && few.contains("Add more logs"), "{few}");
     assert_eq!(
         sum(&[]).unwrap_err().to_string(),
         "the list of moments is empty, but it needs at least one entry"
@@ -387,9 +388,9 @@ fn files_that_are_something_else_are_refused_and_kept() {
     let bytes = all[0].bytes();
     let mut newer = bytes.clone();
     newer[15] = b'5';
-    assert!(message(&newer).contains("not version 4"));
+    assert!(message(&newer).contains("only version 4"));
     let refused = all[0].write(DESCRIPTION, &paths[0]).unwrap_err().to_string();
-    assert!(refused.contains("the existing file is not a file of moments: name another file"), "{refused}");
+    assert!(refused.contains("the existing file is not a file of moments. Name another file"), "{refused}");
     let path = folder.path().join("one.moments");
     all[1].write(DESCRIPTION, &path).unwrap();
     all[0].write(DESCRIPTION, &path).unwrap();

@@ -218,8 +218,8 @@ fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Op
     }
     let out: Vec<&str> = out.iter().map(|i| library.terms()[*i].as_str()).collect();
     let note = format!(
-        "these terms hardly change within a run and are left out of the law: {}. Their contribution is part of the offset, which \
-         is not written: record motion in both directions, including slow motion",
+        "these terms are left out of the law, because they hardly change within a run: {}. Their contribution is part of the \
+         offset, which is not written. Record motion in both directions, including slow motion",
         out.join(", ")
     );
     Ok((library.only(&kept)?, Some(note)))

@@ -53,7 +53,7 @@ impl<'a> Findings<'a> {
     pub(super) fn note_library(&mut self, terms: &[String], separate: bool, condition: f64) {
         let offsets = if separate { " in addition to the offset of each run" } else { "" };
         let text = format!(
-            "the law is chosen from the terms [{}]{offsets}; their condition number is {condition:.1}",
+            "the law is chosen from the terms [{}]{offsets}. Their condition number is {condition:.1}",
             terms.join(", ")
         );
         self.notes.push(SETTINGS.found(text).with("condition number", condition, ""));
@@ -66,7 +66,7 @@ impl<'a> Findings<'a> {
     pub(super) fn judge(&mut self, held_out: Option<f64>, least: f64) {
         let Some(r) = held_out.filter(|r| *r < least) else { return };
         let message = format!(
-            "the law explains too little: R² on held-out data is {r:.3}, and at least {least} is required"
+            "the law explains too little. R² on held-out data is {r:.3}, but at least {least} is required"
         );
         let remedy = "record motion with more speed and reversals, or leave the described friction as it is";
         self.add(POOR_LAW.found(message).help(remedy));
@@ -87,7 +87,7 @@ impl<'a> Findings<'a> {
         let shows_little = fastest < levels::SMALL_PART.get() * farthest;
         if shows_little {
             self.add(SLOW_LOG.found(format!(
-                "the speeds of the log reach {} {}, {:.1} % of the described limit: at higher speeds the law is an extrapolation",
+                "the speeds of the log reach only {} {}, {:.1} % of the described limit. At higher speeds, the law is an extrapolation",
                 plain(fastest, 3),
                 self.data.velocity_unit,
                 100.0 * fastest / farthest
@@ -108,8 +108,8 @@ impl<'a> Findings<'a> {
 
     fn beyond_effort(&self, [speed, torque]: [f64; 2], effort: f64, fastest: f64) -> Finding {
         let message = format!(
-            "the law gives {} {} at {} {}, more than the described effort limit of {}: the data, with speeds up to {}, do not determine the \
-             friction there",
+            "the law gives {} {} at {} {}, more than the described effort limit of {}. The data reach only speeds up to {}, so \
+             they do not determine this friction",
             plain(torque, 3),
             self.unit,
             plain(speed, 3),
@@ -118,7 +118,7 @@ impl<'a> Findings<'a> {
             plain(fastest, 3)
         );
         BEYOND_EFFORT.found(message).help(
-            "record motion with slow reversals and with these speeds, or name fewer terms (--friction viscous,coulomb)",
+            "record motion with slow reversals and with these speeds, or name fewer terms, as in --friction viscous,coulomb",
         )
     }
 

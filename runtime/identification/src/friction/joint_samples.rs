@@ -155,7 +155,7 @@ fn sentences(preparation: &PreparationReport) -> Vec<String> {
     let bandwidth = preparation.joints.first().map(|joint| joint.bandwidth);
     let filter = bandwidth.map(|hertz| {
         format!(
-            "positions and efforts passed the same zero-phase filter of {} Hz; their sample rate is {} Hz",
+            "positions and efforts passed the same zero-phase filter of {} Hz. Their sample rate is {} Hz",
             plain(hertz, 4),
             plain(preparation.sample_rate, 6)
         )

@@ -81,9 +81,9 @@ pub(super) fn restrict(
         return Ok((free, none));
     }
     findings.add(RESTRICTED.found(
-        "least squares would give a law that drives the joint at some speed, or that diverges beyond the speeds in the data. The \
-         law was refitted with the constraints τ v ≥ 0, viscous friction ≥ 0 and bounded growth; the standard errors treat active \
-         constraints as exact",
+        "the law from least squares drives the joint at some speed, or diverges above the speeds in the data. It was refitted \
+         with friction that always brakes, viscous friction ≥ 0 and bounded growth. The standard errors treat active constraints \
+         as exact",
     ));
     let mut coefficients = constrained_fit(reduced, 0, &free.active, rows)?;
     remove_rounding(&mut coefficients, reduced.moments(), samples);
@@ -108,7 +108,7 @@ pub(super) fn doubt(reduced: &Reduced, active: &[usize], findings: &mut Findings
     let condition = (eigenvalues.max() / eigenvalues.min().max(f64::MIN_POSITIVE)).sqrt();
     if condition > levels::DOUBTFUL_CONDITION.get() {
         let message = format!(
-            "the chosen terms are nearly collinear at the velocities of the data (condition number {})",
+            "the velocities of the data hardly distinguish the chosen terms (condition number {})",
             plain(condition, 3)
         );
         findings.add(

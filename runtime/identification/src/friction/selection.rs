@@ -187,8 +187,8 @@ fn by_lasso(
     };
     let lambda = grid[index];
     let note = format!(
-        "LASSO chose the terms with {} contiguous folds, λ by {name}: λ = {} in 1/(2N)‖·‖² + λ‖·‖₁{}, {} in \
-         ‖·‖² + λ‖·‖₁; values and errors are those of least squares on the chosen terms",
+        "LASSO chose the terms by cross-validation with {} contiguous parts, λ by {name}: λ = {} in 1/(2N)‖·‖² + λ‖·‖₁{}, {} in \
+         ‖·‖² + λ‖·‖₁. Values and errors are those of least squares on the chosen terms",
         folds.len(),
         plain(lambda, 5),
         if lasso.standardize { " (terms in units of their rms)" } else { "" },

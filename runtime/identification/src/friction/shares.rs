@@ -49,7 +49,7 @@ impl FrictionIdentification {
             velocity_range: data.velocity_range,
         };
         if matches!(self.method, FrictionMethod::Ladder(_)) {
-            findings.note("the Stribeck law was not tried, because it needs single samples, and moments contain only sums".into());
+            findings.note("the Stribeck law was not tried, because a file of moments does not contain the single samples".into());
         }
         let fitted = candidates.fitted(self, &mut findings)?;
         let (coefficients, active) = (&fitted.solution.coefficients, &fitted.solution.active);

@@ -231,14 +231,14 @@ fn other_law(fit: &StribeckFit, data: &FrictionData) -> Option<Finding> {
                      {said_coulomb} {torque}")
         }),
         (speed > fastest).then(|| {
-            format!("the Stribeck speed v_s = {said_speed} {velocity} is beyond the fastest motion of {said_fastest} {velocity}")
+            format!("the Stribeck speed v_s = {said_speed} {velocity} is above the fastest motion of {said_fastest} {velocity}")
         }),
         (slow < levels::FEWEST_SLOW.get()).then(|| {
             format!("only {slow} samples are slower than the Stribeck speed v_s = {said_speed} {velocity}")
         }),
         (highest > coulomb && !stands_out(fit)).then(|| {
-            format!("at no speed does the law exceed Coulomb friction noticeably: with v_s = {said_speed} {velocity}, static friction \
-                     falls to Coulomb friction within the smoothed step at zero velocity")
+            format!("with v_s = {said_speed} {velocity}, static friction falls to Coulomb friction within the speeds at which \
+                     tanh smooths the sign of the velocity, so the law never noticeably exceeds Coulomb friction")
         }),
     ];
     let faults: Vec<String> = faults.into_iter().flatten().collect();
@@ -254,7 +254,7 @@ fn refuse_driving(fit: &StribeckFit, findings: &mut Findings) {
     let speeds = speeds.chain(slower(fastest)).chain(beyond().map(|factor| factor * fastest));
     let driving = speeds.filter(|v| fit.torque(*v) < -1e-9 * fit.torque(fastest).abs()).fold(0.0, f64::max);
     if driving > 0.0 {
-        let remedy = "use a law with chosen terms, which can be constrained (--friction viscous,coulomb)";
+        let remedy = "name the terms of the law, as in --friction viscous,coulomb. Such a law is fitted so that it always brakes";
         let (speed, unit) = (plain(driving, 4), findings.data.velocity_unit);
         let message = format!("the Stribeck law drives the joint at speeds up to {speed} {unit}");
         findings.add(DRIVES.found(message).help(remedy));

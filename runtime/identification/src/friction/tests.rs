@@ -226,7 +226,7 @@ fn a_law_that_explains_nothing_is_refused() {
         let result = identify(&settings, &v, &torque).unwrap().result;
         let reason = texts(&result.findings, Severity::Error).join("; ");
         assert!(
-            reason.contains("[poor-law]: the law explains too little: R² on held-out data is"),
+            reason.contains("[poor-law]: the law explains too little. R² on held-out data is"),
             "{reason}"
         );
         let lenient = FrictionIdentification { least_r_squared: -1.0, ..settings };

@@ -107,7 +107,7 @@ fn require_possible(bodies: usize, parameters: &DVector<f64>, iterations: usize)
                 what: "the physically consistent estimate".into(),
                 iterations,
                 detail: format!(
-                    "the inertial parameters of body {b} are of such different sizes that rounding makes them unphysical: {pi:?}"
+                    "rounding makes the inertial parameters of body {b} unphysical, because their sizes differ too much: {pi:?}"
                 ),
             });
         }
@@ -123,7 +123,7 @@ fn require_converged(point: &Point) -> Result<()> {
         what: "the physically consistent estimate".into(),
         iterations: point.iterations,
         detail: format!(
-            "the relative duality gap is {:.1e} and the residual {:.1e}, but both must fall below {TOLERANCE:.0e}",
+            "the relative duality gap is {:.1e} and the residual is {:.1e}, but both must be below {TOLERANCE:.0e}",
             point.gap, point.residual
         ),
     })

@@ -26,8 +26,8 @@ pub(super) fn require_steady(parts: &[Vec<usize>], times: &[i128], unit: f64, so
     let rows = (last - first) as f64;
     let size = rows / (pauses.len() - 1) as f64;
     let message = format!(
-        "rows come in bursts ({size:.0} rows within {} s, then no row for {} s), so the times are times of arrival. If \
-         rows were recorded at equal times, give the period: --columns 'time=row[{} ms]'",
+        "the times are times of arrival, because rows come in bursts: {size:.0} rows within {} s, then none for {} s. If rows \
+         were recorded at equal intervals, give the period: --columns 'time=row[{} ms]'",
         plain(usual * (size - 1.0), 2),
         plain(paused / pauses.len() as f64, 2),
         plain(1e3 * steps[first + 1..=last].iter().sum::<f64>() / rows, 3)

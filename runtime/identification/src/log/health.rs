@@ -63,14 +63,14 @@ fn velocity(runs: &[Run], joint: usize) -> Option<String> {
     }
     if vv <= 0.0 {
         return Some(
-            "its column of velocities is zero although the joint moves; the column is not needed".into(),
+            "its column of velocities is zero although the joint moves. The column is not needed".into(),
         );
     }
     let correlation = qv / (qq * vv).sqrt();
     let ratio = qv / vv;
     if correlation.abs() < levels::RELATED.get() {
         return Some(format!(
-            "its column of velocities is hardly correlated with the derivative of its positions ({correlation:.2}): check \
+            "its column of velocities does not match the derivative of its positions (correlation {correlation:.2}). Check \
              whether the column belongs to another joint or has commanded values"
         ));
     }
@@ -80,9 +80,9 @@ fn velocity(runs: &[Run], joint: usize) -> Option<String> {
     }
     let sign = if ratio < 0.0 { "the opposite sign of" } else { "a different scale from" };
     let unit = UNITS.iter().find(|(factor, _)| (size / factor - 1.0).abs() < 0.1);
-    let guess = unit.map_or(String::new(), |(_, name)| format!("; velocities in {name} would explain it"));
+    let guess = unit.map_or(String::new(), |(_, name)| format!(". Velocities in {name} would explain it"));
     Some(format!(
-        "its column of velocities has {sign} the derivative of its positions: the derivative is {} times the column{guess}",
+        "its column of velocities has {sign} the derivative of its positions. The derivative is {} times the column{guess}",
         plain(ratio, 4)
     ))
 }
@@ -112,7 +112,7 @@ pub(super) fn unwrap_turns(run: &mut Run, robot: &dyn Robot, source: &str) -> Ve
         let (Some(first), Some(last)) = (jumps.first(), jumps.last()) else { continue };
         let rows = Some((run.rows[*first], run.rows[*last]));
         let message =
-            format!("its position jumps by a full turn {} times; the jumps are removed", jumps.len());
+            format!("its position jumps by a full turn {} times. The jumps are removed", jumps.len());
         findings.push(TURNS.found(message).joint(&names[joint]).log(source, rows));
     }
     findings

@@ -69,12 +69,12 @@ pub(super) fn unpacked(bytes: &[u8], most: u64) -> Result<Cow<'_, [u8]>, String>
         let frame = frame.and_then(|(format, _)| format.frame(&mut rest, most - content.len() as u64));
         content.extend(frame.map_err(|error| {
             format!(
-                "the file begins as a {name} file, but cannot be decompressed ({error}): compress it again"
+                "the file begins as a {name} file, but cannot be decompressed: {error}. Compress it again"
             )
         })?);
         if content.len() as u64 > most {
             return Err(format!(
-                "the content is larger than the largest size of a log ({most} bytes): split the log"
+                "the content is larger than the largest size of a log, {most} bytes. Split the log"
             ));
         }
     }
@@ -112,7 +112,7 @@ mod tests {
             let skipped = if one[0] == 0x1f { Vec::new() } else { b"\x52\x2a\x4d\x18\x03\0\0\0abc".to_vec() };
             let both = [one.as_slice(), &skipped, &two].concat();
             assert_eq!(*unpacked(&both, LARGEST).unwrap(), *[first.as_bytes(), second.as_bytes()].concat());
-            assert!(unpacked(&both, 20_000).unwrap_err().contains("the largest size of a log (20000 bytes)"));
+            assert!(unpacked(&both, 20_000).unwrap_err().contains("the largest size of a log, 20000 bytes"));
             for cut in [1, 4, 8, two.len() / 2, two.len() - 2] {
                 assert!(unpacked(&both[..both.len() - cut], LARGEST).is_err(), "{cut} of {}", both.len());
             }

@@ -187,13 +187,14 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>> {
     let size = std::fs::metadata(path).map_err(|e| fault(e.to_string()))?.len();
     if size > LARGEST {
         return Err(fault(format!(
-            "the file has {size} bytes, but a log may have at most {LARGEST} bytes: split it"
+            "the file has {size} bytes, but a log may have at most {LARGEST} bytes. Split it"
         )));
     }
     let mut unwritten = path.as_os_str().to_owned();
     unwritten.push("-wal");
     if std::fs::metadata(&unwritten).is_ok_and(|file| file.len() > 0) {
-        let message = "the write-ahead log (the file `FILE-wal`) has further rows: write them back with `sqlite3 FILE vacuum`";
+        let message =
+            "the write-ahead log `FILE-wal` has further rows. Write them back with `sqlite3 FILE vacuum`";
         return Err(fault(message.to_owned()));
     }
     std::fs::read(path).map_err(|e| fault(e.to_string()))
@@ -251,8 +252,8 @@ pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
 fn join(mut before: Recording, one: Recording) -> Result<Recording> {
     if before.effort != one.effort {
         return Err(at(one.hashes.first().map_or(String::new(), |h| h.0.clone())).fault(format!(
-            "the efforts of this log are {}, but the efforts of the logs before it are {}: use logs with one kind of \
-             efforts, or name the columns of the efforts with `--columns`",
+            "the efforts of this log are {}, but those of the logs before it are {}. Use logs with one kind of efforts, or name \
+             the columns with `--columns`",
             one.effort.plural(),
             before.effort.plural()
         )));

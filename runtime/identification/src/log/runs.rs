@@ -157,15 +157,14 @@ impl Samples {
         let long_rows = long.count;
         findings.extend(long.finding(source, LEFT_OUT, |n| {
             format!(
-                "{n} rows have more fields than the header and are left out: check whether a text contains the field separator"
+                "{n} rows are left out, because they have more fields than the header. Check whether a text contains the field separator"
             )
         }));
         require_alive(sheet, &sources, &gaps, &efforts, source)?;
         let zeros = samples.leave_out_zeros(joints);
         let zero_rows = zeros.count;
         findings.extend(zeros.finding(source, LEFT_OUT, |n| {
-            format!("{n} rows contain only zeros and positions jump to them: they are left out, because no values were \
-                     recorded there")
+            format!("{n} rows are left out, because they contain only zeros and positions jump to them. No values were recorded there")
         }));
         for i in efforts.clone() {
             let named = (sources[i].map(|column| label(sheet, column.index)), source);
@@ -241,14 +240,14 @@ impl Samples {
         }
         if let Some(Gaps { count, text: Some(text), .. }) = gaps.last().filter(|time| time.count == total) {
             return Err(at(source).fault(format!(
-                "the column of times has no number in any of {count} rows (the first field is `{text}`): export the time \
-                 in seconds, or name another column with --columns 'time=…[s]'"
+                "none of the {count} rows has a number in the column of times. The first field is `{text}`. Export the time in \
+                 seconds, or name another column with --columns 'time=…[s]'"
             )));
         }
         let fullest = gaps.iter().map(|g| total - g.count.min(total)).min().unwrap_or(0);
         Err(at(source).fault(format!(
-            "only {} of {total} rows have the time, all {} positions and the efforts; the column with the most gaps has \
-             {fullest} values. If positions and efforts are in different rows, export the topic that has both",
+            "only {} of {total} rows have the time, all {} positions and the efforts. The column with the most gaps has {fullest} \
+             values. If positions and efforts are in different rows, export the topic that has both",
             self.lines.len(),
             robot.joints.names.len()
         )))
@@ -335,8 +334,8 @@ fn require_most_readable(
     let worst = all.filter(|(_, gaps)| 2 * gaps.unread > total).max_by_key(|(_, gaps)| gaps.unread);
     let reason = match worst {
         Some((column, gaps)) => format!(
-            "{} has no number in {} of these rows; the first field is `{}`. Thousands separators, a mixture of decimal \
-             commas and points, or a unit after the number may be the reason: export plain numbers",
+            "{} has no number in {} of these rows. The first field is `{}`. Export plain numbers, without thousands separators, \
+             units, or a mixture of decimal commas and points",
             column.map_or_else(String::new, |column| label(sheet, column)),
             gaps.unread,
             gaps.text.as_deref().unwrap_or("")

@@ -31,8 +31,8 @@ pub(super) fn cut_off(runs: &[Run], names: &[String], columns: &[String]) -> Vec
         let said: Vec<String> = said.collect();
         (!said.is_empty()).then(|| {
             let message = format!(
-                "its effort (column {}) is {} of the samples in motion: probably a limit of the sensor or the drive cuts \
-                 it off, so that the model is wrong for these samples",
+                "its effort (column {}) is {} of the samples in motion. Probably a limit of the sensor or the drive cuts it off, \
+                 so the model is wrong for these samples",
                 columns.get(place).map_or("unknown", String::as_str),
                 said.join(" and ")
             );

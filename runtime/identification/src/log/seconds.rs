@@ -22,8 +22,8 @@ pub(super) fn assumed_unit(step: i128) -> (f64, Option<String>) {
         _ => (1e-9, "ns"),
     };
     let message = format!(
-        "the time has no unit and its step is {steps}: the unit is assumed to be {name} (rate {:.6} Hz). --columns \
-         'time=…[s]' sets another unit{}",
+        "the time has no unit. Its step is {steps}, so the unit is assumed to be {name} (rate {:.6} Hz). --columns 'time=…[s]' \
+         sets another unit{}",
         1.0 / (steps * factor),
         if steps == 1.0 {
             ". If the column counts samples, give the period, as in 'time=…[4 ms]'"
@@ -43,7 +43,7 @@ pub(super) fn counter_finding(times: &[i128], unit: f64, place: &str) -> Option<
     const ONE: i128 = 1_000_000_000_000;
     let counts = unit == 1.0 && times.len() > 1 && times.windows(2).all(|pair| pair[1] - pair[0] == ONE);
     counts.then(|| {
-        let message = "all time steps are exactly 1 s: if the column counts samples, give the period, as in --columns \
+        let message = "all time steps are exactly 1 s. If the column counts samples, give the period, as in --columns \
                        'time=…[4 ms]'";
         UNIT_ASSUMED.found(message).log(place, None)
     })

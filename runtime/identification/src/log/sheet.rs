@@ -163,9 +163,8 @@ impl<'a> Sheet<'a> {
             return Ok(());
         }
         Err(format!(
-            "the header has {} names ({}), but row {} has {} fields, so that the names of the columns are not certain. Name \
-             every column in the header, or remove the header and give the columns' numbers (`--columns \
-             'time=1,position=2..7,…'`)",
+            "the header has {} names ({}), but row {} has {} fields, so the names of the columns are uncertain. Name every column \
+             in the header, or remove the header and give numbers: `--columns 'time=1,position=2..7,…'`",
             self.headers.len(),
             shortened(&self.headers),
             self.line,
@@ -192,7 +191,7 @@ const BINARY: [(&[u8], &str); 6] = [
     ),
     (
         b"#ROSBAG V2",
-        "a ROS 1 bag: export its JointState topic as CSV (PlotJuggler, or `rostopic echo -b FILE -p /joint_states`)",
+        "a ROS 1 bag: export its JointState topic as CSV, with PlotJuggler or `rostopic echo -b FILE -p /joint_states`",
     ),
     (b"MATLAB 5.0", "a MATLAB file: write its table as CSV (`writetable`)"),
     (b"\x89HDF", "an HDF5 or MATLAB 7.3 file: write its table as CSV"),
@@ -207,7 +206,7 @@ fn refuse_binary(bytes: &[u8]) -> std::result::Result<(), String> {
         return Err("the text is in UTF-16: save it as UTF-8".into());
     }
     if bytes.trim_ascii().is_empty() {
-        return Err("the file is empty, so that nothing can be identified".into());
+        return Err("the file is empty, so nothing can be identified".into());
     }
     Ok(())
 }
@@ -406,7 +405,7 @@ fn nothing(lines: &[Line]) -> String {
     let shown =
         lines.first().map_or(String::new(), |l| String::from_utf8_lossy(l.text).chars().take(80).collect());
     format!(
-        "the file has no rows of numbers; it begins with `{shown}`. Columns must be separated by commas, semicolons, \
-         tabs or blanks (`--separator` sets another character), below a header with their names"
+        "the file has no rows of numbers. It begins with `{shown}`. It needs a header and rows that are separated by commas, \
+         semicolons, tabs, blanks or the character of `--separator`"
     )
 }

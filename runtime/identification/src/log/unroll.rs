@@ -84,11 +84,11 @@ fn require_unit(q: &[f64; 4], length: f64, joint: &QuaternionJoint, row: usize, 
     }
     let [x, y, z, w] = q;
     let why = if length == 0.0 {
-        "is zero, so that it is not an orientation: remove the rows without an orientation".to_owned()
+        "is zero, so it is not an orientation. Remove the rows without an orientation".to_owned()
     } else {
         format!(
-            "has the length {length:.4} instead of 1. The columns may be angles or other quantities: name the right \
-             columns with --columns 'xyzw=…' or 'wxyz=…'"
+            "has the length {length:.4} instead of 1. The columns may be angles or other quantities. Name the right columns with \
+             --columns 'xyzw=…' or 'wxyz=…'"
         )
     };
     Err(at(source)
@@ -117,8 +117,8 @@ fn require_some_force(run: &Run, source: &str) -> Result<()> {
         return Ok(());
     }
     Err(at(source).fault(
-        "no known force acts on the robot, and without a force the motion determines only ratios of masses and inertias. \
-         Record the inputs or the torques of the joints, or add the forces on the base as inputs at frames to the \
-         description (`[[inputs]]` with `frame` and `wrench`) and to the log",
+        "the log has no force that acts on the robot. Without a force, only ratios of masses and inertias can be determined. \
+         Record the inputs or the torques of the joints. Or describe the forces on the base as `[[inputs]]` with `frame` and \
+         `wrench`, and add them to the log",
     ))
 }

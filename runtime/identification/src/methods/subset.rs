@@ -156,7 +156,7 @@ impl SubsetValidation {
             "number of terms",
             p as f64,
             (1..=MOST_TERMS).contains(&p),
-            "the method tries all subsets of one to twelve terms; use the LASSO for larger libraries",
+            "the method tries all subsets of one to twelve terms. Use the LASSO for more terms",
         )?;
         if target >= folds[0].targets() {
             require_length("targets", target + 1, folds[0].targets())?;

@@ -403,7 +403,7 @@ fn to_joints(robot: &dyn Robot, effort: Effort) -> Result<DMatrix<f64>> {
 fn singular(what: &str) -> IdentificationError {
     IdentificationError::NoSolution {
         reason: format!(
-            "the equations of {what} are singular up to rounding: record a longer motion in which more joints move"
+            "the equations of {what} are singular. Record a longer motion in which more joints move"
         ),
     }
 }

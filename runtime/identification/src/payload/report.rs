@@ -116,7 +116,7 @@ fn findings(payload: &Payload, load: &ConsistentSolution, names: &[String]) -> V
     let [low, high] = payload.mass.interval;
     let none = (low <= 0.0).then(|| {
         NO_LOAD.found(format!(
-            "the logs show no load: the interval of its mass, {} to {} kg, contains zero",
+            "the logs show no load. The interval of its mass, {} to {} kg, contains zero",
             plain(low, 3),
             plain(high, 3)
         ))
@@ -125,15 +125,15 @@ fn findings(payload: &Payload, load: &ConsistentSolution, names: &[String]) -> V
         NAMES.iter().zip(payload.shown).filter(|(_, shown)| !shown).map(|(name, _)| *name).collect();
     let hidden = (!hidden.is_empty()).then(|| {
         let instead = if low > 0.0 {
-            ": the values are those of a solid ball of the same mass and of 1500 kg/m³"
+            ". Their values are those of a solid ball of the same mass with 1500 kg/m³"
         } else {
             ""
         };
-        HIDDEN.found(format!("the motion does not excite {} of the load{instead}", hidden.join(", ")))
+        HIDDEN.found(format!("the motion does not determine {} of the load{instead}", hidden.join(", ")))
     });
     let bound = (!load.on_boundary.is_empty()).then(|| {
         IMPOSSIBLE.found(
-            "the efforts lead to a load that is not physically possible. The nearest possible load is reported, and the intervals \
+            "the efforts correspond to a load that is physically impossible. The nearest possible load is reported. The intervals \
              ignore this constraint",
         )
     });
@@ -148,13 +148,13 @@ fn findings(payload: &Payload, load: &ConsistentSolution, names: &[String]) -> V
     let still = of(&|joint| payload.residuals[joint].is_none());
     let still = (!still.is_empty()).then(|| {
         let message =
-            "these joints do not move, so dry friction may hold a part of the load, and their efforts were not used";
+            "the efforts of these joints were not used. The joints do not move, so dry friction may hold a part of the load";
         NOT_USED.found(format!("{}: {message}", still.join(", ")))
     });
     let worse = of(&|joint| payload.explained[joint].is_some_and(|share| share < -0.05));
     let worse = (!worse.is_empty()).then(|| {
         let message =
-            "the load makes the residuals of these joints larger: friction or offset differ between the logs";
+            "the load increases the residuals of these joints. Friction or offset differ between the logs";
         WORSE.found(format!("{}: {message}", worse.join(", ")))
     });
     [none, hidden, bound, still, worse].into_iter().flatten().collect()

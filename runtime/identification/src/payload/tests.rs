@@ -218,7 +218,7 @@ fn what_the_motion_does_not_show_is_said() {
     assert!(!found.shown[0] && found.residuals[1].is_none() && found.residuals[0].is_some(), "{found:?}");
     let said = |start: &str| texts(&found.findings, Severity::Warning).iter().any(|w| w.contains(start));
     assert!(
-        said("[load-hidden]: the motion does not excite m, "),
+        said("[load-hidden]: the motion does not determine m, "),
         "{:?}",
         texts(&found.findings, Severity::Warning)
     );

@@ -24,7 +24,7 @@ pub(super) fn effort_fault(runs: &[Run], m: usize, exact: bool) -> Option<Findin
     if 2 * finite < values().count() {
         let first = values().find(|(u, _)| !u.is_finite()).map_or(row, |(_, row)| *row);
         return Some(fault(format!(
-            "more than half of its efforts are missing; the first missing one is in row {first}"
+            "more than half of its efforts are missing. The first missing one is in row {first}"
         )));
     }
     let mut all = values().filter(|(u, _)| u.is_finite()).map(|(u, _)| *u);
@@ -73,7 +73,7 @@ fn check_run(run: &Run, joints: usize, efforts: usize) -> Result<()> {
     if let Some(i) = run.times.windows(2).position(|t| t[1] <= t[0]) {
         let (before, after) = (run.times[i], run.times[i + 1]);
         return Err(at(&run.name).row(run.rows[i + 1]).fault(format!(
-            "the time does not increase: {before} s is followed by {after} s; sort the rows"
+            "the time does not increase: {before} s is followed by {after} s. Sort the rows"
         )));
     }
     for (j, column) in run.positions.iter().enumerate() {

@@ -64,11 +64,11 @@ const LOW_PASSED: Rule = Rule::warning("efforts-low-passed");
 fn low_passed(band: Band) -> Finding {
     let Band { frequency, order } = band;
     let message = format!(
-        "the efforts seem to have passed a low-pass filter of {frequency:.3} Hz and order {order}, but the positions do \
-         not: the same filter is applied to positions and friction terms"
+        "the efforts seem to have passed a low-pass filter of {frequency:.3} Hz and order {order}, but the positions do not. The \
+         same filter is applied to the positions"
     );
     let help =
-        "record efforts without a filter; with `--bandwidth`, no low-pass filter of the efforts is assumed";
+        "record efforts without a filter. With `--bandwidth`, no low-pass filter of the efforts is assumed";
     LOW_PASSED.found(message).help(help)
 }
 
@@ -78,8 +78,8 @@ impl Recorded<'_> {
         let longest = longest.map(|p| p.duration()).fold(0.0, f64::max);
         IdentificationError::TooFewSamples {
             what: format!(
-                "a filter of {:.3} Hz with {:.3} s cut off at both ends (use a larger `--bandwidth`, which cuts off less; \
-                 in the library, set `PreparationSettings::cut` and `largest_gap`)",
+                "a filter of {:.3} Hz that cuts off {:.3} s at both ends (a larger `--bandwidth` cuts off less; in the library, \
+                 set `PreparationSettings::cut` and `largest_gap`)",
                 how.bandwidth, how.cut
             ),
             needed: (2.0 * how.cut / self.step).ceil() as usize + 1,
@@ -165,8 +165,8 @@ impl Recorded<'_> {
         let short = short.first().map(|first| {
             let (count, row) = (short.len(), signals.row(first.start));
             let message = format!(
-                "{count} pieces of up to {longest:.3} s are left out, the first of which begins in row {row}: the filter \
-                 cuts off {:.3} s at each end",
+                "{count} pieces of up to {longest:.3} s are left out, because the filter cuts off {:.3} s at each end. The first \
+                 begins in row {row}",
                 how.cut
             );
             about(SHORT_PIECES, message).help("use a larger --bandwidth, which cuts off less")
@@ -179,10 +179,7 @@ impl Recorded<'_> {
             let size = if least == most { least } else { format!("{least} to {most}") };
             about(
                 GAPS,
-                format!(
-                    "it is split at {} gaps of {size} s, the first of which is after row {row}",
-                    pauses.len()
-                ),
+                format!("it is split at {} gaps of {size} s. The first is after row {row}", pauses.len()),
             )
         });
         gaps.into_iter().chain(short).collect()
@@ -197,7 +194,7 @@ impl Recorded<'_> {
         let held = positions.chain(efforts).filter(|(.., hold)| *hold > 1.2);
         let finding = |(subject, what, hold): (Subject, &str, f64)| {
             let message = format!(
-                "its {what} has a new value only in one of {hold:.1} rows; the repeated values are left out"
+                "its {what} has a new value only in one of {hold:.1} rows. The repeated values are left out"
             );
             HELD.found(message).of(subject).with("rows for each value", hold, "")
         };
@@ -223,8 +220,8 @@ impl Recorded<'_> {
             shares.map(|(joint, share)| format!("{} in {share:.0} %", self.name(joint))).collect();
         (!named.is_empty()).then(|| {
             RESTS.found(format!(
-                "at rest, dry friction can have any value up to the static friction, and efforts do not determine it: the fit \
-                 leaves out the samples in which a joint rests ({})",
+                "the fit leaves out the samples in which a joint rests: {}. At rest, dry friction can have any value up to the \
+                 static friction",
                 named.join(", ")
             ))
         })
@@ -234,8 +231,7 @@ impl Recorded<'_> {
         let of = |(j, channel): (usize, &Channel)| {
             let first = channel.spikes.first()?;
             let (count, row) = (channel.spikes.len(), signals.rows[*first]);
-            let message =
-                format!("{count} spikes of its position are left out, the first of which is in row {row}");
+            let message = format!("{count} spikes of its position are left out. The first is in row {row}");
             Some(SPIKES.found(message).log(&signals.name, None).joint(self.name(j)))
         };
         signals.positions.iter().enumerate().filter_map(of).collect()
@@ -246,7 +242,7 @@ impl Recorded<'_> {
 fn noisy(joint: &JointPreparation) -> Option<Finding> {
     (joint.moves && joint.acceleration_noise > 0.1).then(|| {
         let message = format!(
-            "{:.0} % of the power of its acceleration is noise: the estimated inertia is too small",
+            "{:.0} % of the power of its acceleration is noise, so the estimated inertia is too small",
             100.0 * joint.acceleration_noise
         );
         let remedy =
@@ -275,11 +271,11 @@ fn delay_findings(joints: &[JointPreparation], is_significant: impl Fn(usize) ->
         let of = if names.len() == joints.len() { "all joints".to_owned() } else { names.join(", ") };
         let found = match names.as_slice() {
             [name] => {
-                DELAY.found(format!("its effort comes {by} its position; this delay is removed")).joint(*name)
+                DELAY.found(format!("its effort comes {by} its position. This delay is removed")).joint(*name)
             }
-            _ => DELAY.found(format!("the efforts of {of} come {by} the positions; this delay is removed")),
+            _ => DELAY.found(format!("the efforts of {of} come {by} the positions. This delay is removed")),
         };
-        let remedy = format!("`--delay {seconds}` sets this delay; `--delay 0` keeps the efforts unshifted");
+        let remedy = format!("`--delay {seconds}` sets this delay. `--delay 0` keeps the efforts unshifted");
         found.with("delay", delay, "s").help(remedy)
     };
     groups.into_iter().map(finding).collect()

@@ -65,7 +65,7 @@ pub fn write_identified(path: &Path, identified: &Identified<'_>) -> Result<()> 
         return Err(fault("it is the description that the result extends: name another file".into()));
     }
     if !may_be_replaced(path, FIRST_LINE.as_bytes()).map_err(|e| fault(e.to_string()))? {
-        let message = "the existing file was not written by an identification: name another file, or remove this one first";
+        let message = "the existing file was not written by an identification. Name another file, or remove this one first";
         return Err(fault(message.into()));
     }
     write_whole(path, text).map_err(|e| fault(e.to_string()))

@@ -49,8 +49,8 @@ impl Drift {
         let of_friction = is_named.then(|| {
             let change = with_error(100.0 * friction.change, Some(100.0 * friction.standard_error));
             let message = format!(
-                "friction changes by {change} % over the log, so that the law is an average. Friction may fall while the \
-                 joint warms up, or the model lacks a term"
+                "friction changes by {change} % over the log, so the law is an average. Friction may fall while the joint warms \
+                 up, or the model lacks a term"
             );
             FRICTION_DRIFTS.found(message).help("record after the joint has warmed up, or identify each run separately")
         });

@@ -313,8 +313,8 @@ impl FrictionResult {
         lines.extend(self.offset_line());
         lines.extend(self.resolved_from.map(|speed| {
             let (speed, unit) = (plain(speed, 2), &self.velocity_unit);
-            format!("the filter does not distort the law above {speed} {unit}: nearly all slower samples (all except nine at most) \
-                     are within a filter length of a rest or a reversal")
+            format!("above {speed} {unit}, the filter does not distort the law. Nearly all slower samples are within a filter \
+                     length of a rest or a reversal")
         }));
         let held_out = self.held_out.map_or_else(|| "unknown".into(), |r| format!("{r:.4}"));
         lines.push(format!(

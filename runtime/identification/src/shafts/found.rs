@@ -25,8 +25,7 @@ impl ShaftRows {
     pub(crate) fn found(&self, robot: &dyn Robot, estimate: &Estimate) -> Vec<Finding> {
         let names: Vec<&str> = self.shafts().iter().map(|shaft| shaft.name.as_str()).collect();
         let shafts = format!(
-            "the friction of drives that act on several joints is identified at their shafts, with speeds and torques of the motors: \
-             {}",
+            "the friction of drives that move several joints is identified with the speeds and torques of the motors: {}",
             names.join(", ")
         );
         let joints = robot.joint_names();
@@ -35,8 +34,8 @@ impl ShaftRows {
             let [low, high] = factor.interval;
             let error = Some(0.5 * (high - low));
             let message = format!(
-                "its friction term {} is estimated together with the friction of the shafts: the factor {} becomes {} (interval {} to {}). If \
-                 the data do not determine this factor, it stays near its described value",
+                "the factor {1} of its friction term {0} becomes {2} (interval {3} to {4}). It is estimated together with the \
+                 friction of the shafts, and stays near {1} if the data do not determine it",
                 term.basis,
                 plain(term.coefficient, 4),
                 rounded(factor.value, error),

@@ -135,7 +135,7 @@ pub enum CanFrameError {
     Command(u8, u8),
     /// The drive measures other quantities than the settings of the codec require.
     #[error(
-        "the contents byte of the frame is {given:#04x} instead of {needed:#04x}: the drive must measure the \
+        "the contents byte of the frame is {given:#04x} instead of {needed:#04x}. The drive must measure the \
          quantities of `with_velocities` and `with_torques`"
     )]
     Contents {

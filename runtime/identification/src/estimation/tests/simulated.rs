@@ -212,7 +212,7 @@ fn a_wrong_sign_and_forces_that_are_noise_are_refused() {
     let message = refused(noise);
     assert!(
         message
-            .starts_with("error[fit-doubted]: joint shoulder: the fit does not explain its effort: R² is "),
+            .starts_with("error[fit-doubted]: joint shoulder: the fit does not explain its effort. R² is "),
         "{message}"
     );
     assert!(message.contains("error[unexplained-effort]"), "{message}");

@@ -49,8 +49,8 @@ fn read_records(
                     "zstd" | "lz4" => unpacked(records, size.min(LARGEST))?,
                     _ => {
                         return Err(format!(
-                            "the chunks of the MCAP file are compressed with `{packing}`: record it with \
-                                             zstd or lz4, or without compression"
+                            "the chunks of the MCAP file are compressed with `{packing}`. Record it with zstd or lz4, or without \
+                             compression"
                         ));
                     }
                 };

@@ -33,7 +33,8 @@ pub(super) fn read(bytes: &[u8], bag: &mut Bag) -> Result<(), String> {
         [_, Value::Number(topic), Value::Number(time), Value::Bytes(data), ..] => {
             bag.message(*topic, *time, data)
         }
-        _ => Err("the SQLite file has another table of messages than a ROS 2 bag: give a bag".to_owned()),
+        _ => Err("the SQLite file is not a ROS 2 bag, because its table of messages differs. Give a bag"
+            .to_owned()),
     })
 }
 

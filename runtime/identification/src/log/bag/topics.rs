@@ -53,8 +53,7 @@ impl Bag {
                 self.topics.values().map(|[name, kind]| format!("{name} ({kind})")).collect();
             let topics = if topics.is_empty() { "none".to_owned() } else { topics.join(", ") };
             return Err(format!(
-                "the bag has no messages of type {TYPE}: record a topic of this type; the topics of the bag \
-                                are: {topics}"
+                "the bag has no messages of type {TYPE}. Record a topic of this type. The topics of the bag are: {topics}"
             ));
         }
         let mut columns = BTreeMap::new();

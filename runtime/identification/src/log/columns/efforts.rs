@@ -50,12 +50,12 @@ impl Finder<'_> {
     fn require_inputs_at_frames(&self, wanted: Option<Effort>) -> Result<()> {
         match wanted {
             Some(Effort::Current) => Err(self.fault(
-                "the robot has joints with quaternions, for which currents are not supported: convert the currents to \
-                 torques, and name the columns of the torques".into(),
+                "currents are not supported for robots with spherical or floating joints. Convert the currents to torques, and \
+                 name the columns of the torques".into(),
             )),
             Some(Effort::Joint) if self.has_frames() => Err(self.fault(format!(
-                "inputs of this robot act at frames ({}), so that torques at the joints do not contain the forces of these \
-                 inputs on the base: name the columns of the inputs with --columns 'input=…'",
+                "torques of the joints are not enough, because inputs of this robot act at frames: {}. Name the columns of the \
+                 inputs with --columns 'input=…'",
                 self.robot.frame_inputs.names.join(", ")
             ))),
             _ => Ok(()),
@@ -137,13 +137,13 @@ impl Finder<'_> {
         let base = self.robot.quaternions.iter().find(|joint| joint.is_floating);
         let (IdentificationError::File(finding), Some(base)) = (&error, base) else { return error };
         let enough = if self.has_frames() {
-            "The log needs the efforts of the inputs at frames; efforts of the joints may be missing"
+            "the log needs the forces of the inputs at frames. Efforts of the joints may be missing"
                 .to_owned()
         } else {
             format!(
-                "If the external forces are measured, the six equations of the base `{}` are enough: describe the forces on \
-                 the feet as `[[inputs]]` with `frame` and `wrench`, and add the columns of these inputs to \
-                 the log. Without any force, as in free flight, a motion determines only ratios of masses and inertias",
+                "the six equations of the base `{}` are enough if the external forces are measured. Describe the forces on the \
+                 feet as `[[inputs]]` with `frame` and `wrench`, and add their columns to the log. Without any force, as in free \
+                 flight, only ratios of masses and inertias can be determined",
                 base.name
             )
         };

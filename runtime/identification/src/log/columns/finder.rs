@@ -162,8 +162,8 @@ impl<'a> Finder<'a> {
             header.and_then(|h| h.odd.as_ref()).filter(|odd| named.is_none() && !self.is_described(odd));
         if let Some(odd) = odd {
             return Err(self.fault(format!(
-                "column {} is in `{odd}`, which is not a known unit: give the unit with --columns '{}=…[UNIT]' (known \
-                 units: {}; a factor may be in front, as in [0.0879 deg])",
+                "column {} is in `{odd}`, which is not a known unit. Give the unit with --columns '{}=…[UNIT]', also with a \
+                 factor, as in [0.0879 deg]. Known units: {}",
                 label,
                 kind.key(),
                 units::known_units()
@@ -225,8 +225,8 @@ impl<'a> Finder<'a> {
         let (n, kind) = (targets.names.len(), kinds[0]);
         if n == 0 {
             return self.fault(format!(
-                "the log may not contain {}, because the description has no drives: give the joints a drive, as in `drive \
-                 = {{ gear_ratio = 100 }}`. If the efforts are torques at the joints, use --effort joint",
+                "the log may not contain {}, because the description has no drives. Give the joints a drive, as in `drive = {{ \
+                 gear_ratio = 100 }}`. If the efforts are torques at the joints, use --effort joint",
                 kind.plural()
             ));
         }
@@ -236,8 +236,7 @@ impl<'a> Finder<'a> {
         let mut hold = String::new();
         let why = match best {
             Some(family) if family.numbers.len() > n => format!(
-                "the columns like {} have {} numbers ({} to {}), but the robot needs only {n} columns, and the headers do \
-                 not show which ones",
+                "it is not clear which columns like {} belong to the robot. They have {} numbers ({} to {}), but the robot needs only {n}",
                 self.example(family.meaning.kind),
                 family.numbers.len(),
                 family.numbers[0],
@@ -288,8 +287,8 @@ fn misfit(label: &str, kind: Kind, unit: Unit, wanted: &[&str]) -> String {
     let name = kind.singular();
     if kind == Kind::Attitude {
         return format!(
-            "column {label} has a unit, but it would be an entry of a quaternion, which has no unit. If the columns are \
-             angles, convert them to quaternions (scipy: Rotation.from_euler(…).as_quat())"
+            "column {label} has a unit, but entries of a quaternion have none. If the columns are angles, convert them to \
+             quaternions, e.g. by `Rotation.from_euler(…).as_quat()` of scipy"
         );
     }
     if unit.si == GRAD {
@@ -298,7 +297,7 @@ fn misfit(label: &str, kind: Kind, unit: Unit, wanted: &[&str]) -> String {
         let gon = if kind == Kind::Position { format!(" or '{key}=…[gon]'") } else { String::new() };
         return format!(
             "column {label} is in `Grad`, which is a degree in German, but a gon (a hundredth of a right angle) in other \
-             languages: use --columns '{key}=…[deg{behind}]'{gon}"
+             languages. Use --columns '{key}=…[deg{behind}]'{gon}"
         );
     }
     let article = if name.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };

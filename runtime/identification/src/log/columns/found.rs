@@ -98,12 +98,12 @@ impl Found {
     /// Returns a warning if the columns are commanded.
     pub(super) fn if_commanded(&self) -> Option<Finding> {
         let why = match self.kind {
-            Kind::Position => "the real positions differ from them by the control error",
-            _ => "the real efforts differ if a drive has a delay or a limit",
+            Kind::Position => "The real positions differ from them by the control error",
+            _ => "The real efforts differ if a drive has a delay or a limit",
         };
         self.is_commanded.then(|| {
             let message = format!(
-                "the columns of the {} (`{}`) have names of commanded values, and the log has no measured ones: {why}",
+                "the columns of the {} (`{}`) have names of commanded values, and the log has no measured ones. {why}",
                 self.kind.plural(),
                 self.pattern
             );

@@ -46,8 +46,7 @@ pub(super) struct Parts {
 }
 
 /// Line for a robot whose log has no efforts except those of inputs at frames.
-const BASE_ALONE: &str = "the log has no efforts of the joints: only the equations of the base and of joints without a \
-                          drive are fitted";
+const BASE_ALONE: &str = "the log has no efforts of the joints. Only the equations of the base and of joints without a drive are fitted";
 
 /// End of messages that ask the user to name columns.
 const HINT: &str = ". --columns '?' prints all columns as a line that you can edit";
@@ -81,7 +80,7 @@ impl Finder<'_> {
         }
         let n = self.robot.joints.names.len();
         Err(self.fault(format!(
-            "the log has no header; its first row is `{}`. Name the columns by their numbers, as in --columns \
+            "the log has no header. Its first row is `{}`. Name the columns by their numbers, as in --columns \
              'time=1,position=2..{},torque={}..{}'",
             shortened(&self.sheet.first),
             n + 1,
@@ -105,7 +104,7 @@ impl Finder<'_> {
         let kinds = [Kind::Position, Kind::Torque, Kind::Input, Kind::Current];
         match self.families(&kinds, all).into_iter().flat_map(own).next() {
             Some((name, column)) => Err(self.fault(format!(
-                "joint `{name}` is held by an option, but the log has its column {}: remove --hold {name}",
+                "joint `{name}` is held by an option, but the log has its column {}. Remove --hold {name}",
                 self.label(column)
             ))),
             None => Ok(()),

@@ -74,7 +74,7 @@ impl ColumnOptions {
             let Some((kind, key)) = Kind::of_key(&name) else {
                 let known: Vec<&str> = Kind::keys().chain([HOLD]).collect();
                 let message =
-                    format!("there is no quantity `{name}`; the quantities are {}", known.join(", "));
+                    format!("there is no quantity `{name}`. The quantities are {}", known.join(", "));
                 return Err(fault(part, message));
             };
             if patterns.iter().any(|p| p.kind == kind || p.kind.is_effort() && kind.is_effort()) {
@@ -133,7 +133,7 @@ impl ColumnOptions {
 fn twice(kind: Kind) -> String {
     match kind {
         Kind::Attitude => "the quaternions are named twice, by `xyzw` and by `wxyz`: remove one of them".into(),
-        _ => "this quantity is named twice: remove one part (`torque`, `input` and `current` count as one quantity)".into(),
+        _ => "this quantity is named twice. Remove one part: `torque`, `input` and `current` count as one quantity".into(),
     }
 }
 
@@ -190,8 +190,7 @@ impl Pattern {
         let (given, count) = (chosen.columns.len(), targets.names.len());
         if given != count {
             let needed = format!(
-                "the pattern names {given} columns, but {count} are needed, one for each joint, input or \
-                                  component"
+                "the pattern names {given} columns, but {count} are needed: one for each joint, input or component"
             );
             return Err(fault(&self.text, needed));
         }
@@ -212,7 +211,7 @@ impl Pattern {
         if let Some((text, unit)) = split.filter(|(_, unit)| !unit.contains('{')) {
             let Some(found) = units::find(unit) else {
                 let message =
-                    format!("the unit `{unit}` is unknown; the known units are {}", units::known_units());
+                    format!("the unit `{unit}` is unknown. The known units are {}", units::known_units());
                 return Err(fault(&self.text, message));
             };
             if let Some(columns) = columns(text.trim_end(), headers, width, targets)? {
@@ -234,7 +233,7 @@ impl Pattern {
         let wanted = cut(&self.text);
         let likeness = |name: &&String| strsim::jaro_winkler(&cut(name), &wanted);
         let nearest = names.iter().take(1000).rev().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
-        let nearest = nearest.map_or(String::new(), |n| format!("; the most similar name is `{n}`"));
+        let nearest = nearest.map_or(String::new(), |n| format!(". The most similar name is `{n}`"));
         fault(&self.text, format!("no column has this name{nearest}. The columns are {}", shortened(&names)))
     }
 }

@@ -44,7 +44,7 @@ impl Finder<'_> {
         let letters = kind.row().components;
         if self.robot.quaternions.is_empty() && self.pattern(|k| k == kind).is_some() {
             return Err(self.fault(
-                "`--columns` names a place or a quaternion, but this robot has no spherical or floating joint: remove this part".into(),
+                "`--columns` names a place or a quaternion, but this robot has no spherical or floating joint. Remove this part".into(),
             ));
         }
         let targets = joints.iter().map(|joint| Targets::new(&vec![joint.name.clone(); letters.len()], &[]));
@@ -101,9 +101,9 @@ impl Finder<'_> {
         let angles = angles(&self.headers);
         if kind == Kind::Attitude && !angles.is_empty() {
             return self.fault(format!(
-                "the log has no columns for the quaternion of `{name}`, but {} look like angles. Orientations must be \
-                 quaternions, because a log does not show the convention of its angles. Convert the angles \
-                 (scipy: Rotation.from_euler(…).as_quat()) and name the four columns qx, qy, qz, qw",
+                "the log has no quaternion of `{name}`, but {} look like angles. A log does not show the convention of its \
+                 angles. Convert them to a quaternion, e.g. by `Rotation.from_euler(…).as_quat()` of scipy, and name the four \
+                 columns qx, qy, qz, qw",
                 angles.join(", ")
             ));
         }
@@ -125,7 +125,7 @@ impl Finder<'_> {
 fn remedy(kind: Kind) -> &'static str {
     match kind {
         Kind::Attitude => {
-            "--columns 'xyzw=a|b|c|d' (or 'wxyz=…' if w comes first; numbers such as `5..8` are also possible)"
+            "--columns 'xyzw=a|b|c|d', or 'wxyz=…' if w comes first. Numbers such as `5..8` are also possible"
         }
         _ => "--columns 'place=a|b|c' (numbers such as `2..4` are also possible)",
     }

@@ -85,7 +85,7 @@ impl Finder<'_> {
         let mut rivals = candidates.iter().skip(1).filter(|(d, _)| d == doubt);
         if let Some((_, other)) = rivals.find(|(_, other)| !self.are_equal(header, other)) {
             return Err(self.undecided(format!(
-                "both `{}` and `{}` (columns {} and {}) could be the time: use --columns 'time={}' or 'time={}'",
+                "both `{}` and `{}` (columns {} and {}) could be the time. Use --columns 'time={}' or 'time={}'",
                 header.text,
                 other.text,
                 header.index + 1,
@@ -116,8 +116,8 @@ impl Finder<'_> {
         let odd = header.and_then(|h| h.odd.as_ref()).filter(|odd| !self.is_described(odd));
         let doubt = odd.filter(|_| unit.is_none() && nanoseconds.is_none()).map(|odd| {
             let message = format!(
-                "the time is in `{odd}`, which is not a known unit: the times are read as seconds, or as ms, µs or ns if \
-                 its steps are large"
+                "the time is in `{odd}`, which is not a known unit. The times are read as seconds, or as ms, µs or ns if the \
+                 steps are large"
             );
             COLUMN_DOUBTFUL.found(message).help(format!("give the unit of the time, as in --columns 'time={text}[0.001 s]'"))
         });

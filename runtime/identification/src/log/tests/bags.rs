@@ -76,7 +76,7 @@ fn files_that_are_no_bags_of_joint_states_are_refused() {
         (renamed("topics", "tropic", sqlite), "the SQLite file lacks the tables of a ROS 2 bag"),
         (
             renamed("sensor_msgs/msg/JointState", "sensor_msgs/msg/JointTrack", mcap),
-            "the bag has no messages of type sensor_msgs/msg/JointState: record a topic of this type; the topics of the bag \
+            "the bag has no messages of type sensor_msgs/msg/JointState. Record a topic of this type. The topics of the bag \
              are: /joint_states (sensor_msgs/msg/JointTrack)",
         ),
     ] {
@@ -94,7 +94,7 @@ fn a_bag_that_is_not_closed_is_refused() {
     let read = || runs(std::slice::from_ref(&path), &Fake::numbered(2), &ColumnOptions::default());
     assert!(read().is_ok());
     std::fs::write(folder.path().join("bag.db3-wal"), "rows").unwrap();
-    assert!(read().unwrap_err().to_string().contains("write them back"));
+    assert!(read().unwrap_err().to_string().contains("Write them back"));
 }
 
 /// Damaged bags are read or rejected without a panic.

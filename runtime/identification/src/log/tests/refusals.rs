@@ -13,7 +13,7 @@ const ROWS: &str = "0,1,2,3,4\n0.1,1,2,3,4\n0.2,1,2,3,4\n";
 fn cases() -> Vec<(String, &'static str, &'static str)> {
     let under = |header: &str| format!("{header}\n{ROWS}");
     vec![
-        (ROWS.into(), "", "the log has no header; its first row is `0, 1, 2, 3, 4`. Name the columns by their numbers, as \
+        (ROWS.into(), "", "the log has no header. Its first row is `0, 1, 2, 3, 4`. Name the columns by their numbers, as \
                            in --columns 'time=1,position=2..3,torque=4..5'"),
         (ROWS.into(), "time=t,position=2..3,torque=4..5", "the log has no header: give the numbers of the columns"),
         (ROWS.into(), "time=1,position=2..9,torque=4..5", "the log has columns 1 to 5"),
@@ -25,15 +25,16 @@ fn cases() -> Vec<(String, &'static str, &'static str)> {
         (under("t,q1,q2,u1,q3"), "", "have 3 numbers (1 to 3), but the robot needs only 2 columns"),
         (under("x,q1,q2,u1,u2"), "", "the log has no column with a usual name for the time"),
         (under("time_one,q1,q2,u1,time_two"), "", "both `time_one` and `time_two` (columns 1 and 5) could be the time"),
-        (under("t,left_q1,left_q2,right_q1,right_q2"), "torque=4|5", "both `left_q{}` and `right_q{}` could be the positions: use --columns 'position=left_q{}' or 'position=right_q{}'"),
-        (under("t,joint1_position,joint2_position,u1,u2"), "position=joint{}_pos", "no column has this name; the most \
-                                                                                    similar name is `joint1_position`. The \
-                                                                                    columns are t, joint1_position"),
-        (under("t,q1,q2,u1,u2"), "position=q{}[grad]", "the unit `grad` is unknown; the known units are s, ms"),
+        (under("t,left_q1,left_q2,right_q1,right_q2"), "torque=4|5", "both `left_q{}` and `right_q{}` could be the positions: use \
+                                                                      --columns 'position=left_q{}' or 'position=right_q{}'"),
+        (under("t,joint1_position,joint2_position,u1,u2"), "position=joint{}_pos", "no column has this name. The most similar \
+                                                                                    name is `joint1_position`. The columns are t, \
+                                                                                    joint1_position"),
+        (under("t,q1,q2,u1,u2"), "position=q{}[grad]", "the unit `grad` is unknown. The known units are s, ms"),
         (under("t,q1 [Grad],q2 [Grad],u1,u2"), "", "`q1 [Grad]` is in `Grad`, which is a degree in German, but a gon"),
         (under("t,q1_grad,q2_grad,u1,u2"), "", "use --columns 'position=…[deg]' or 'position=…[gon]'"),
         (under("t,q1,q2,u1,u2"), "position=q{}[Nm]", "column `q1` is a position in N*m, but rad is expected here"),
-        (under("t,q1,q2,u1,u2"), "positon=q{}", "there is no quantity `positon`; the quantities are time, position"),
+        (under("t,q1,q2,u1,u2"), "positon=q{}", "there is no quantity `positon`. The quantities are time, position"),
         (under("t,q1,q2,u1,u2"), "q{}", "this part does not have the form `QUANTITY=COLUMNS`"),
         (under("t,q1,q2,u1,u2"), "torque=u{},current=u{}", "this quantity is named twice"),
         (under("t,q1,q2,u1,u2"), "position={name}_pos", "no column has this name"),
@@ -41,14 +42,14 @@ fn cases() -> Vec<(String, &'static str, &'static str)> {
         (under("t,joint_0_pos,joint_1_pos,joint_2_pos,u1"), "", "have 3 numbers (0 to 2), but the robot needs only 2 columns"),
         (under("t,q1_count,q2_count,u1,u2"), "", "column `q1_count` is a position in count, but rad is expected here"),
         (under("t,q1,q2,u1"), "", "the header has 4 names (t, q1, q2, u1), but row 2 has 5 fields"),
-        ("t,q1,q2,u1,u2\n".into(), "", "the file has no rows of numbers; it begins with `t,q1,q2,u1,u2`"),
-        ("t,q1,q2,u1,u2\n12:00:01,1,2,3,4\n12:00:02,1,2,3,4\n".into(), "", "the column of times has no number in any of 2 \
-                                                                            rows (the first field is `12:00:01`)"),
+        ("t,q1,q2,u1,u2\n".into(), "", "the file has no rows of numbers. It begins with `t,q1,q2,u1,u2`"),
+        ("t,q1,q2,u1,u2\n12:00:01,1,2,3,4\n12:00:02,1,2,3,4\n".into(), "", "none of the 2 rows has a number in the column of \
+                                                                            times. The first field is `12:00:01`"),
         ("t,q1,q2,u1,u2\n0,1,2,NaN,NaN\n1,1,2,NaN,NaN\n".into(), "", "column `u1` has no finite number"),
         ("t,q1,q2,u1,u2\n0,1,NaN,3,4\n1,1,NaN,3,4\n".into(), "", "column `q2` has no finite number"),
         ("t,q1,q2,u1,u2\n0,1,,3,4\n1,,2,,4\n2,1,,,4\n".into(), "", "only 0 of 3 rows have the time, all 2 positions and the \
                                                                     efforts"),
-        (thousands(), "", "28 of 30 rows cannot be used: column `t [ms]` has no number in 28 of these rows; the first field \
+        (thousands(), "", "28 of 30 rows cannot be used: column `t [ms]` has no number in 28 of these rows. The first field \
                            is `1.000`"),
     ]
 }

@@ -72,12 +72,19 @@ fn styles() -> Vec<(&'static str, &'static str, Row, &'static str, Effort, bool)
             let ns = 1_700_000_000_123_456_789_u64 + (t * 1e9).round() as u64;
             format!("{},1,{},{},,\"['joint_2', 'joint_1']\",{},{},{},{}", 1.7e9 + 1.1 * t, ns / 1_000_000_000, ns % 1_000_000_000, b[0], a[0], b[2], a[2])
         }, "", Joint, false),
-        ("rtde", "timestamp target_q_0 target_q_1 actual_q_0 actual_q_1 actual_qd_0 actual_qd_1 actual_current_0 actual_current_1 actual_TCP_pose_0 actual_TCP_pose_1", |t, [a, b]| format!("{} 0 1 {} {} {} {} {} {} 5 6", 8123.5 + t - 8123.5, a[0], b[0], a[1], b[1], a[2], b[2]), "", Current, true),
-        ("franka", "time [ms],q[0],q[1],q_d[0],q_d[1],dq[0],dq[1],tau_J[0],tau_J[1],tau_J_d[0],tau_J_d[1],dtau_J[0],dtau_J[1],tau_ext_hat_filtered[0],tau_ext_hat_filtered[1]", |t, [a, b]| format!("{},{},{},9,9,{},{},{},{},9,9,9,9,9,9", (t * 1000.0).round(), a[0], b[0], a[1], b[1], a[2], b[2]), "", Joint, true),
-        ("libfranka", "time, success_rate, state.q[0], state.q[1],state.q_d[0], state.q_d[1],state.dq[0], state.dq[1],state.dq_d[0], state.dq_d[1],state.tau_J[0], state.tau_J[1],state.tau_ext_hat_filtered[0], state.tau_ext_hat_filtered[1],cmd.q_d[0], cmd.q_d[1],cmd.dq_d[0], cmd.dq_d[1],cmd.O_T_EE_d[0], cmd.O_T_EE_d[1],cmd.tau_J_d[0], cmd.tau_J_d[1]", |t, [a, b]| format!("{},1,{},{},9,9,{},{},9,9,{},{},9,9,9,9,9,9,9,9,9,9", (t * 1000.0).round(), a[0], b[0], a[1], b[1], a[2], b[2]), "", Joint, true),
+        ("rtde", "timestamp target_q_0 target_q_1 actual_q_0 actual_q_1 actual_qd_0 actual_qd_1 actual_current_0 actual_current_1 \
+                  actual_TCP_pose_0 actual_TCP_pose_1", |t, [a, b]| format!("{} 0 1 {} {} {} {} {} {} 5 6", 8123.5 + t - 8123.5, a[0], b[0], a[1], b[1], a[2], b[2]), "", Current, true),
+        ("franka", "time \
+                    [ms],q[0],q[1],q_d[0],q_d[1],dq[0],dq[1],tau_J[0],tau_J[1],tau_J_d[0],tau_J_d[1],dtau_J[0],dtau_J[1],tau_ext_hat_filtered[0],tau_ext_hat_filtered[1]", |t, [a, b]| format!("{},{},{},9,9,{},{},{},{},9,9,9,9,9,9", (t * 1000.0).round(), a[0], b[0], a[1], b[1], a[2], b[2]), "", Joint, true),
+        ("libfranka", "time, success_rate, state.q[0], state.q[1],state.q_d[0], state.q_d[1],state.dq[0], \
+                       state.dq[1],state.dq_d[0], state.dq_d[1],state.tau_J[0], state.tau_J[1],state.tau_ext_hat_filtered[0], \
+                       state.tau_ext_hat_filtered[1],cmd.q_d[0], cmd.q_d[1],cmd.dq_d[0], cmd.dq_d[1],cmd.O_T_EE_d[0], \
+                       cmd.O_T_EE_d[1],cmd.tau_J_d[0], cmd.tau_J_d[1]", |t, [a, b]| format!("{},1,{},{},9,9,{},{},9,9,{},{},9,9,9,9,9,9,9,9,9,9", (t * 1000.0).round(), a[0], b[0], a[1], b[1], a[2], b[2]), "", Joint, true),
         ("german excel", "Zeit;Time (s);Position 1 [deg];Position 2 [deg];Torque 1 (Nm);Torque 2 (Nm);", |t, [a, b]| format!("x;{t};{};{};{};{};", a[0] * DEG, b[0] * DEG, a[2], b[2]).replace('.', ","), "", Joint, false),
-        ("german", "Zeit [s];Winkel 1 [Grad];Winkel 2 [Grad];Geschwindigkeit 1 [Grad/s];Geschwindigkeit 2 [Grad/s];Drehmoment 1 [Nm];Drehmoment 2 [Nm];Motorspannung 1 [V];Motorspannung 2 [V]", |t, [a, b]| format!("{t};{};{};{};{};{};{};24;24", a[0] * DEG, b[0] * DEG, a[1] * DEG, b[1] * DEG, a[2], b[2]).replace('.', ","), "", Joint, true),
-        ("german drive", "Zeitstempel;Lageistwert Achse 1;Lageistwert Achse 2;Lagesollwert Achse 1;Lagesollwert Achse 2;Iststrom Achse 1 [mA];Iststrom Achse 2 [mA];Schleppfehler Achse 1;Schleppfehler Achse 2", |t, [a, b]| format!("{t};{};{};9;9;{};{};0;0", a[0], b[0], a[2] * 1e3, b[2] * 1e3).replace('.', ","), "", Current, false),
+        ("german", "Zeit [s];Winkel 1 [Grad];Winkel 2 [Grad];Geschwindigkeit 1 [Grad/s];Geschwindigkeit 2 [Grad/s];Drehmoment 1 \
+                    [Nm];Drehmoment 2 [Nm];Motorspannung 1 [V];Motorspannung 2 [V]", |t, [a, b]| format!("{t};{};{};{};{};{};{};24;24", a[0] * DEG, b[0] * DEG, a[1] * DEG, b[1] * DEG, a[2], b[2]).replace('.', ","), "", Joint, true),
+        ("german drive", "Zeitstempel;Lageistwert Achse 1;Lageistwert Achse 2;Lagesollwert Achse 1;Lagesollwert Achse 2;Iststrom \
+                          Achse 1 [mA];Iststrom Achse 2 [mA];Schleppfehler Achse 1;Schleppfehler Achse 2", |t, [a, b]| format!("{t};{};{};9;9;{};{};0;0", a[0], b[0], a[2] * 1e3, b[2] * 1e3).replace('.', ","), "", Current, false),
         ("french", "temps (s);position_articulaire_1;position_articulaire_2;vitesse_articulaire_1;vitesse_articulaire_2;couple_1;couple_2", |t, [a, b]| format!("{t};{};{};{};{};{};{}", a[0], b[0], a[1], b[1], a[2], b[2]).replace('.', ","), "", Joint, true),
         ("italian", "tempo;posizione giunto 1;posizione giunto 2;velocità giunto 1;velocità giunto 2;coppia giunto 1;coppia giunto 2", |t, [a, b]| format!("{t};{};{};{};{};{};{}", a[0], b[0], a[1], b[1], a[2], b[2]).replace('.', ","), "", Joint, true),
         ("spanish", "Tiempo,Ángulo articulación 1 (°),Ángulo articulación 2 (°),Velocidad 1,Velocidad 2,Par 1,Par 2", |t, [a, b]| format!("{t},{},{},{},{},{},{}", a[0] * DEG, b[0] * DEG, a[1], b[1], a[2], b[2]), "", Joint, true),
@@ -85,14 +92,20 @@ fn styles() -> Vec<(&'static str, &'static str, Row, &'static str, Effort, bool)
         ("savetxt", "# a robot\n# t q_0 q_1 tau_0 tau_1", |t, [a, b]| format!("{t:.18e} {:.18e} {:.18e} {:.18e} {:.18e}", a[0], b[0], a[2], b[2]), "", Joint, false),
         ("row of units", "\u{feff}\"t\",\"pos_1\",\"pos_2\",\"vel_1\",\"vel_2\",\"eff_1\",\"eff_2\"\ns,deg,deg,deg/s,deg/s,Nm,mNm", |t, [a, b]| format!("{t},{},{},{},{},{},{}\r", a[0] * DEG, b[0] * DEG, a[1] * DEG, b[1] * DEG, a[2], b[2] * 1e3), "", Joint, true),
         ("suffixes", "t_ms,q1_deg,q2_deg,dq1_deg_s,dq2_deg_s,cur_1_ma,cur_2_ma", |t, [a, b]| format!("{},{},{},{},{},{},{}", t * 1e3, a[0] * DEG, b[0] * DEG, a[1] * DEG, b[1] * DEG, a[2] * 1e3, b[2] * 1e3), "", Current, true),
-        ("preamble", "Recorder 3.1\nDate,2024-03-01\n\nSample rate,100\nTime,J1 ActPos,J2 ActPos,J1 ActTorque,J2 ActTorque", |t, [a, b]| format!("{t}, {}, {}, {}, {}", a[0], b[0], a[2], b[2]), "", Joint, false),
+        ("preamble", "Recorder 3.1\nDate,2024-03-01\n\nSample rate,100\nTime,J1 ActPos,J2 ActPos,J1 ActTorque,J2 ActTorque", |t, [a, b]| format!("{t}, \
+                                                                                                                                                  {}, \
+                                                                                                                                                  {}, \
+                                                                                                                                                  {}, \
+                                                                                                                                                  {}", a[0], b[0], a[2], b[2]), "", Joint, false),
         ("index column", ",t,q1,q2,u1,u2", |t, [a, b]| format!("{},{t},{},{},{},{}", (t * 100.0).round(), a[0], b[0], a[2], b[2]), "", Joint, false),
         ("loop", "time,q_joint_1,q_joint_2,dq_joint_1,dq_joint_2,desired_joint_1,desired_joint_2,u_joint_1,u_joint_2,source,believed,iterations,lateness_ns,read_ns,control_ns,check_ns,write_ns", |t, [a, b]| format!("{t},{},{},{},{},0,0,{},{},controller,1,3,100,1,2,3,4", a[0], b[0], a[1], b[1], a[2], b[2]), "", Joint, true),
-        ("blanks and dots", "Sample;robot.Joint 1.Actual Position (rad);robot.Joint 2.Actual Position (rad);robot.Joint 1.Motor Torque (Nm);robot.Joint 2.Motor Torque (Nm);elapsed time (us)", |t, [a, b]| format!("1;{};{};{};{};{}", a[0], b[0], a[2], b[2], (t * 1e6).round()), "", Joint, false),
+        ("blanks and dots", "Sample;robot.Joint 1.Actual Position (rad);robot.Joint 2.Actual Position (rad);robot.Joint 1.Motor \
+                             Torque (Nm);robot.Joint 2.Motor Torque (Nm);elapsed time (us)", |t, [a, b]| format!("1;{};{};{};{};{}", a[0], b[0], a[2], b[2], (t * 1e6).round()), "", Joint, false),
         ("savetxt with commas", "# t,q_0,q_1,tau_0,tau_1", |t, [a, b]| format!("{t:.18e} {:.18e} {:.18e} {:.18e} {:.18e}", a[0], b[0], a[2], b[2]), "", Joint, false),
         ("mujoco", "time,qpos_0,qpos_1,qvel_0,qvel_1,ctrl_0,ctrl_1,qfrc_actuator_0,qfrc_actuator_1", |t, [a, b]| format!("{t},{},{},{},{},0,0,{},{}", a[0], b[0], a[1], b[1], a[2], b[2]), "", Joint, true),
         ("unitree", "stamp_us,motor_state[0].q,motor_state[1].q,motor_state[0].dq,motor_state[1].dq,motor_state[0].tauEst,motor_state[1].tauEst", |t, [a, b]| format!("{},{},{},{},{},{},{}", (t * 1e6).round(), a[0], b[0], a[1], b[1], a[2], b[2]), "", Joint, true),
-        ("dynamixel", "time,present_position_1,present_position_2,goal_position_1,goal_position_2,present_current_1 [mA],present_current_2 [mA]", |t, [a, b]| format!("{t},{},{},9,9,{},{}", a[0], b[0], a[2] * 1e3, b[2] * 1e3), "", Current, false),
+        ("dynamixel", "time,present_position_1,present_position_2,goal_position_1,goal_position_2,present_current_1 \
+                       [mA],present_current_2 [mA]", |t, [a, b]| format!("{t},{},{},9,9,{},{}", a[0], b[0], a[2] * 1e3, b[2] * 1e3), "", Current, false),
         ("dots and derivatives", "t,theta1,theta2,theta1_dot,theta2_dot,theta1_ddot,theta2_ddot,tau1,tau2", |t, [a, b]| format!("{t},{},{},{},{},0,0,{},{}", a[0], b[0], a[1], b[1], a[2], b[2]), "", Joint, true),
         ("voltages beside", "t,q1,q2,u1 [Nm],u2 [Nm],v1 [V],v2 [V]", |t, [a, b]| format!("{t},{},{},{},{},24,24", a[0], b[0], a[2], b[2]), "", Joint, false),
         ("a time before each signal", "Time,Pos1,Time,Pos2,Time,Torque1,Time,Torque2", |t, [a, b]| format!("{t},{},{t},{},{t},{},{t},{}", a[0], b[0], a[2], b[2]), "", Joint, false),
@@ -102,7 +115,8 @@ fn styles() -> Vec<(&'static str, &'static str, Row, &'static str, Effort, bool)
         ("from zero with a gripper told", "t,joint_0_pos,joint_1_pos,joint_2_pos,joint_0_eff,joint_1_eff,joint_2_eff", |t, [a, b]| format!("{t},{},{},0,{},{},0", a[0], b[0], a[2], b[2]), "position=joint_{}_pos,torque=joint_{}_eff", Joint, false),
         ("told", "a,b,c,d,e", |t, [a, b]| format!("{},{},{t},{},{}", a[0] * DEG, b[0] * DEG, a[2], b[2]), "position=a|b[deg],torque=4..5,time=c", Joint, false),
         ("told by numbers", "", |t, [a, b]| format!("{t},{},{},{},{}", a[0], b[0], a[2], b[2]), "time=1, position=2..3, current=4..5", Current, false),
-        ("told by pattern", "clock,enc_0_raw,enc_1_raw,enc_2_raw,x0,x1", |t, [a, b]| format!("{t},{},{},0,{},{}", a[0] * DEG / 0.1, b[0] * DEG / 0.1, a[2], b[2]), "position=ENC_{}_raw[0.1 deg],effort=x{}", Joint, false),
+        ("told by pattern", "clock,enc_0_raw,enc_1_raw,enc_2_raw,x0,x1", |t, [a, b]| format!("{t},{},{},0,{},{}", a[0] * DEG / 0.1, b[0] * DEG / 0.1, a[2], b[2]), "position=ENC_{}_raw[0.1 \
+                                                                                                                                                                    deg],effort=x{}", Joint, false),
     ]
 }
 
@@ -299,9 +313,9 @@ fn joints_that_look_wrong_are_named() {
             "velocity unit",
             |_, j| j[0][1] *= DEG,
             &["velocity-disagrees"],
-            "the derivative is 0.01745 times the column; velocities in deg/s would explain it",
+            "the derivative is 0.01745 times the column. Velocities in deg/s would explain it",
         ),
-        ("other joint", |_, j| j[0][1] = j[1][1], &["velocity-disagrees"], "hardly correlated"),
+        ("other joint", |_, j| j[0][1] = j[1][1], &["velocity-disagrees"], "does not match"),
         ("no velocity", |_, j| j[0][1] = 0.0, &["velocity-disagrees"], "is zero although the joint moves"),
     ];
     for (name, change, kinds, part) in cases {
@@ -334,7 +348,7 @@ fn a_run_that_alone_is_in_another_unit_is_named() {
     let name = &recording.runs[1].name;
     assert!(found.message.contains(&format!("rad, only in run {name}, but the described limits")), "{found}");
     assert!(
-        found.remedy.as_ref().is_some_and(|help| help.contains("convert this log to the units")),
+        found.remedy.as_ref().is_some_and(|help| help.contains("Convert this log to the units")),
         "{found}"
     );
 }
@@ -353,7 +367,7 @@ fn turns_are_unwrapped() {
     assert_eq!(free.iter().map(|f| f.0).collect::<Vec<_>>(), ["turns"]);
     assert!(
         free[0].1.contains(
-            "row 210, joint joint_1: its position jumps by a full turn 1 times; the jumps are removed"
+            "row 210, joint joint_1: its position jumps by a full turn 1 times. The jumps are removed"
         ),
         "{free:?}"
     );
@@ -437,9 +451,8 @@ fn several_logs_are_one_recording() {
     std::fs::write(&same, format!("{}\n", std::fs::read_to_string(&one).unwrap())).unwrap();
     assert!(message(&[&one, &same]).contains("same.csv: this log has the same samples as"));
     assert!(
-        message(&[&one, &current]).contains(
-            "the efforts of this log are currents, but the efforts of the logs before it are forces"
-        )
+        message(&[&one, &current])
+            .contains("the efforts of this log are currents, but those of the logs before it are forces")
     );
     assert!(message(&[]).contains("the list of logs is empty"));
     assert!(message(&[&folder.path().join("none.csv")]).contains("none.csv"));

@@ -44,7 +44,7 @@ fn require_signal(times: &[f64], signal: &[f64], needed: usize) -> Result<()> {
     match times.windows(2).position(|w| w[1] <= w[0]) {
         None => Ok(()),
         Some(i) => Err(Place::default().fault(format!(
-            "the time does not increase at sample {} (counted from 0): {} s is followed by {} s: sort the rows or split the log \
+            "the time does not increase at sample {} (counted from 0): {} s is followed by {} s. Sort the rows or split the log \
              into segments",
             i + 1,
             times[i],
@@ -95,7 +95,7 @@ fn require_noise(sigma: f64) -> Result<()> {
         "noise σ",
         sigma,
         sigma > 0.0,
-        "it must be positive; the noise of an encoder is its resolution divided by √12",
+        "it must be positive. The noise of an encoder is its resolution divided by √12",
     )
 }
 

@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn faults_are_named() {
         let message = |text: &str| Program::new(&[text], &names()).unwrap_err().to_string();
-        assert_eq!(message("tanh(5*w)"), "there is no channel `w`; the channels are beta, v");
+        assert_eq!(message("tanh(5*w)"), "there is no channel `w`. The channels are beta, v");
         assert!(message("v^2").contains("pow(v, 2)"));
         assert!(message("tan(v)").contains("unknown function `tan`; did you mean `tanh`?"));
         assert!(message("v + (v < 1)").contains("a number is needed here, not a truth value"));

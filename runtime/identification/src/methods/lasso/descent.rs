@@ -96,7 +96,7 @@ impl Problem {
             what: format!("the LASSO at λ = {}", plain(lambda, 6)),
             iterations: settings.max_sweeps,
             detail: format!(
-                "the duality gap is {} instead of at most {}; the terms may be collinear",
+                "the duality gap is {} instead of at most {}. The terms may be collinear",
                 plain(gap, 3),
                 plain(bound, 3)
             ),

@@ -143,9 +143,7 @@ fn a_lambda_that_removes_everything_is_an_error_with_the_bound() {
     let moments = random_moments(1, 50, 4, false);
     let error = Lasso::default().fit(&moments, 0, 1e6).unwrap_err().to_string();
     assert!(
-        error.starts_with(
-            "lambda = 1e6 removes every term: the largest value that keeps at least one term is"
-        ),
+        error.starts_with("lambda = 1e6 removes every term. The largest value that keeps a term is"),
         "{error}"
     );
 }

@@ -193,7 +193,7 @@ fn warnings(fit: &StribeckFit, data: &Data) -> Vec<Finding> {
             Some(s) if s > 0.5 * a[i].abs() => {
                 let error = plain(s, 2);
                 let message = format!(
-                    "{name} = {value} is uncertain: its standard error of {error} is more than half of the value"
+                    "{name} = {value} is uncertain. Its standard error of {error} is more than half of the value"
                 );
                 warn(message, name, a[i]);
             }
@@ -204,7 +204,7 @@ fn warnings(fit: &StribeckFit, data: &Data) -> Vec<Finding> {
             if c.abs() > 0.995 {
                 let other = NAMES[j];
                 let message = format!(
-                    "the errors of {other} and {name} have the correlation {c:.4}: the data determine only a combination of both"
+                    "the data determine only a combination of {other} and {name}. Their errors have the correlation {c:.4}"
                 );
                 warn(message, "correlation", c);
             }
@@ -214,7 +214,7 @@ fn warnings(fit: &StribeckFit, data: &Data) -> Vec<Finding> {
         (data.samples.v.iter().filter(|v| v.abs() < 1.0 / a[2]).count(), plain(1.0 / a[2], 4));
     if slow < 10 {
         let message = format!(
-            "only {slow} samples are slower than 1/a3 = {speed}: the data do not determine the width 1/a3 of the step at zero velocity"
+            "the data do not determine a3. Only {slow} samples are slower than 1/a3 = {speed}, the width of the step at zero velocity"
         );
         warn(message, "slow samples", slow as f64);
     }

@@ -95,7 +95,7 @@ pub(super) fn search(data: &Data, settings: &StribeckRegression) -> Result<Norma
         what: "the search for starts".into(),
         iterations: STEEPNESSES * DECAYS,
         detail: format!(
-            "the cost is not finite for any start value, with speeds up to {fastest} rad/s: check the units"
+            "the cost is not finite for any start value, with speeds up to {fastest} rad/s. Check the units"
         ),
     })
 }

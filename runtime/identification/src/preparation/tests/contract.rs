@@ -50,11 +50,9 @@ fn gaps_split_and_faults_are_named() {
     assert_eq!(runs.len(), 2);
     assert!(runs[0].times.last().unwrap() < &3.5 && runs[1].times[0] > 3.8);
     let said: Vec<String> = report.findings.iter().map(Finding::sentence).collect();
-    assert_eq!(said[0], "simulated 3: it is split at 1 gaps of 0.305 s, the first of which is after row 701");
+    assert_eq!(said[0], "simulated 3: it is split at 1 gaps of 0.305 s. The first is after row 701");
     assert!(
-        said[1].ends_with(
-            "joint joint 2: 1 spikes of its position are left out, the first of which is in row 302"
-        ),
+        said[1].ends_with("joint joint 2: 1 spikes of its position are left out. The first is in row 302"),
         "{said:?}"
     );
     let fault = report.joints[1].fault.as_ref().unwrap();
@@ -166,13 +164,13 @@ fn a_delay_that_joints_share_is_said_once() {
             .findings
             .iter()
             .map(Finding::sentence)
-            .filter(|note| note.contains("this delay is removed"))
+            .filter(|note| note.contains("This delay is removed"))
             .collect()
     };
     report.refine(&[[18.3e-3, 1e-3]; 3]);
     assert_eq!(
         late(&report),
-        ["the efforts of all joints come 18.3 ms after the positions; this delay is removed"]
+        ["the efforts of all joints come 18.3 ms after the positions. This delay is removed"]
     );
     report.refine(&[[-20.3e-3, 1e-4], [1e-3, 1e-4], [-20.3e-3, 1e-4]]);
     let notes = late(&report);
