@@ -7,14 +7,14 @@ use gelenk_findings::digits::{plain, rounded};
 use gelenk_findings::{Severity, texts};
 use gelenk_identification::estimation::Uncertain;
 use gelenk_identification::payload::{CarriedLoad, Payload, PayloadSettings, identify_load};
-use gelenk_identification::result::description::{Identified, write_identified};
+use gelenk_identification::result::description::Identified;
 use gelenk_identification::robot::Robot;
 use serde_json::{Value, json};
 
 use super::super::arguments::{Format, Identify};
 use super::super::failure::Failure;
 use super::super::print;
-use super::logs::{command, output, relative, settings};
+use super::logs::{command, output, settings, write_description};
 use super::read::{read, say};
 use crate::identify::{BodyValues, InterpretedRobot, rounded_load};
 use crate::model::Model;
@@ -88,18 +88,8 @@ fn describe(
     });
     let said = texts(&found.findings, Severity::Warning);
     let provenance: Vec<String> = std::iter::once(command(arguments)).chain(hashes).chain(said).collect();
-    let name = output.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    Ok(write_identified(
-        output,
-        &Identified {
-            name: &name,
-            extends: &relative(&arguments.description, output)?,
-            provenance: &provenance,
-            settings: &arguments.reading.keys(),
-            bodies: &[body],
-            ..Identified::default()
-        },
-    )?)
+    let identified = Identified { provenance: &provenance, bodies: &[body], ..Identified::default() };
+    write_description(arguments, identified, output)
 }
 
 /// Returns a name that no body of the description has, because a body with the same name would be replaced.

@@ -75,19 +75,15 @@ impl HeldOut {
             [] => -excess / self.total(),
             _ => mean(&joints.iter().map(|j| 1.0 - other.rss[*j] / self.rss[*j]).collect::<Vec<_>>()),
         };
-        (share > levels::CLEARLY.get() && -excess > 2.0 * deviation && !self.is_harmed_by(other))
-            .then_some(share)
+        let is_harmed = |(own, other): (&f64, &f64)| *other > (1.0 + levels::CLEARLY.get()) * own;
+        let harms = self.rss.iter().zip(&other.rss).any(is_harmed);
+        (share > levels::CLEARLY.get() && -excess > 2.0 * deviation && !harms).then_some(share)
     }
 
     /// Whether the error `other` is larger than this error by more than the standard error of the difference.
     pub(super) fn is_exceeded_by(&self, other: &Self) -> bool {
         let (excess, deviation) = other.excess(self);
         excess > deviation
-    }
-
-    /// Whether the error of a joint is larger in `other`, by more than the share [`levels::CLEARLY`].
-    pub(super) fn is_harmed_by(&self, other: &Self) -> bool {
-        self.rss.iter().zip(&other.rss).any(|(own, other)| *other > (1.0 + levels::CLEARLY.get()) * own)
     }
 
     /// Sum over the folds of the differences of the scores from `other`, and the standard error of this sum.

@@ -21,7 +21,7 @@ pub(super) struct JointPrior {
     /// Standard deviation of an offset [N·m or N].
     offset: f64,
     /// Number of correlated samples that count as one independent sample.
-    time: f64,
+    pub(super) time: f64,
 }
 
 impl JointPrior {
@@ -45,13 +45,6 @@ impl JointPrior {
         (0..layout.joints).map(of_joint).collect()
     }
 
-    /// Sets the correlation time of the residuals.
-    ///
-    /// - `time`: correlation time [samples]
-    pub(super) fn with_time(self, time: f64) -> Self {
-        Self { time, ..self }
-    }
-
     /// Described factor of a term and the inverse of its variance; zeros if nothing is known of the term.
     ///
     /// - `width`: index of the chosen width of the Coulomb term
@@ -73,23 +66,6 @@ impl JointPrior {
     pub(super) fn samples_of_offset(&self, deviation: f64) -> f64 {
         let spread = self.offset.hypot(deviation);
         if self.offset > 0.0 { self.time * (deviation / spread).powi(2) } else { 0.0 }
-    }
-
-    /// The weight of [`Self::samples_of_offset`] for a larger standard deviation of the offset. The factor of the standard
-    /// deviation is [`levels::LARGER_OFFSET`].
-    pub(super) fn fewer(samples: f64) -> f64 {
-        samples / levels::LARGER_OFFSET.get().powi(2)
-    }
-
-    /// Variance of the score that is due to the uncertainty of an offset, in the weights of independent samples.
-    ///
-    /// - `weight`: product of [`Self::samples_of_offset`] and the weight 1/σ² of a sample
-    pub(super) fn offset_score(&self, weight: f64) -> f64 {
-        weight * self.time
-    }
-
-    pub(super) fn time(&self) -> f64 {
-        self.time
     }
 }
 

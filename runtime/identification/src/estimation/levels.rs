@@ -10,9 +10,6 @@ levels! {
     /// Share of the longer run's length that the shorter run must have to be the same motion.
     COVERED: f64 = 0.8;
 
-    /// Number of samples at which the positions of two runs are compared.
-    COMPARED_SAMPLES: usize = 400;
-
     /// Travel below which a joint is at rest [rad or m]. For a shaft it is multiplied by the gear ratio.
     STANDSTILL: f64 = 1e-3;
 
@@ -26,10 +23,6 @@ levels! {
     /// Standard deviation of an offset, as a share of the largest force. The value corresponds to torque sensors of accuracy
     /// class 1.
     OFFSET: f64 = 0.01;
-
-    /// Factor of [`OFFSET`] if the data require larger offsets, for example because of cables, springs, or sensors whose zero
-    /// was never set.
-    LARGER_OFFSET: f64 = 10.0;
 
     /// Number of speeds at which a described friction law is compared with viscous and Coulomb friction.
     SPEEDS: usize = 20;
@@ -110,10 +103,6 @@ levels! {
 
     /// Smallest described force of a joint that carries the robot, as a share of the largest described force of all joints.
     CARRIES: f64 = 0.1;
-
-    /// Largest ratio between the estimated factor and the factor of a unit at which a finding names this unit. The limit is
-    /// wide because described masses are inaccurate.
-    GUESS: f64 = 2.5;
 
     /// Slope of smoothed Coulomb friction, `tanh(slope · speed)`, with the speed as a share of the joint's largest speed.
     STEEPNESS: f64 = 30.0;
