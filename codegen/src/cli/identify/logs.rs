@@ -70,7 +70,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
             print::after(validation, &found.findings(&robot))?
         }
     };
-    finish(arguments, format, (&loaded, &robot), &found, &validation, &command(arguments), &output)
+    finish(arguments, format, (&loaded, &robot), &found, &validation, &output)
 }
 
 /// Writes the results of an identification: the description, the page, and a table or JSON on standard
@@ -81,9 +81,9 @@ pub(super) fn finish(
     (loaded, robot): (&Loaded, &InterpretedRobot),
     found: &Identification,
     validation: &[JointValidation],
-    command: &str,
     output: &Path,
 ) -> Result<ExitCode, Failure> {
+    let command = &command(arguments);
     let remarks = [
         replaced_load(&loaded.model, found),
         without_wrenches(&loaded.model),
@@ -106,12 +106,11 @@ pub(super) fn finish(
     };
     let front = arguments.method.as_ref().map(|_| front(found)).filter(|table| table.len() > 1);
     let found = (found, findings.as_slice());
-    match format {
-        Format::Json => print::json(&found_json::as_json(found, validation, output, &files)),
-        Format::Text => {
-            print::out(&as_text(found, (front, validation), output, &files)).map(|()| ExitCode::SUCCESS)
-        }
-    }
+    print::result(
+        format,
+        || found_json::as_json(found, validation, output, &files),
+        || as_text(found, (front, validation), output, &files),
+    )
 }
 
 pub(super) fn settings(arguments: &Identify) -> Result<IdentificationSettings, Failure> {

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use super::super::arguments::{Format, Identify};
 use super::super::failure::Failure;
 use super::super::print;
-use super::logs::{command, finish, output, settings};
+use super::logs::{finish, output, settings};
 use super::motor_constants;
 use super::read::{read, say};
 use crate::identify::InterpretedRobot;
@@ -63,7 +63,7 @@ pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitC
     let found = identify_moments(&robot, &description.parts(), &moments, &settings(arguments)?, &mut say);
     let mut found = print::identified(found)?;
     motor_constants::add_doubts(&mut found);
-    finish(arguments, format, (&loaded, &robot), &found, &[], &command(arguments), &path)
+    finish(arguments, format, (&loaded, &robot), &found, &[], &path)
 }
 
 fn is_moments(path: &Path) -> bool {
@@ -77,10 +77,7 @@ fn write(
     format: Format,
 ) -> Result<ExitCode, Failure> {
     moments.write(&description.parts(), path)?;
-    match format {
-        Format::Json => print::json(&as_json(moments, path)),
-        Format::Text => print::out(&as_text(moments, path)).map(|()| ExitCode::SUCCESS),
-    }
+    print::result(format, || as_json(moments, path), || as_text(moments, path))
 }
 
 fn samples(moments: &LogMoments) -> u64 {

@@ -33,12 +33,8 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     let found = identify_load(&robot, &arguments.logs, &arguments.payload, both, &mut say);
     let found = print::identified(found)?;
     describe(arguments, &loaded.model, (&found, &carrier.link), &output)?;
-    match format {
-        Format::Json => print::json(&as_json(&found, &carrier.link, &robot, &output)),
-        Format::Text => {
-            print::out(&as_text(&found, &carrier.link, &robot, &output)).map(|()| ExitCode::SUCCESS)
-        }
-    }
+    let parts = (&found, carrier.link.as_str(), &robot, output.as_path());
+    print::result(format, || as_json(parts), || as_text(parts))
 }
 
 /// The link that carries the load.
@@ -110,7 +106,10 @@ fn values(payload: &Payload) -> Vec<(&'static str, &'static str, Uncertain)> {
     std::iter::once(("mass", "kg", payload.mass)).chain(centre).chain(moments).collect()
 }
 
-fn as_text(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &Path) -> String {
+/// The identified load, the link that carries it, the robot, and the written file.
+type Parts<'a> = (&'a CarriedLoad, &'a str, &'a InterpretedRobot, &'a Path);
+
+fn as_text((found, link, robot, output): Parts<'_>) -> String {
     let mut text = print::lines(&found.findings);
     let payload = &found.payload;
     text.push_str(&format!("\nload on {link} (moments of inertia about the load's centre of mass):\n"));
@@ -136,7 +135,7 @@ fn as_text(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &P
     text
 }
 
-fn as_json(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &Path) -> Value {
+fn as_json((found, link, robot, output): Parts<'_>) -> Value {
     let payload = &found.payload;
     let value = |of: &Uncertain| json!({"value": of.value, "interval": of.interval});
     let joints = robot.joint_names().into_iter().zip(&payload.explained).zip(&payload.residuals);

@@ -50,10 +50,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     let found = print::identified(plan(&robot, &settings, &mut say))?;
     let text = found.csv(&robot, 1.0 / arguments.rate, 1);
     write_whole(&path, text).map_err(|error| Failure::Problem(format!("{}: {error}", path.display())))?;
-    match format {
-        Format::Json => print::json(&as_json(&found, &robot, &path)),
-        Format::Text => print::out(&as_text(&found, &robot, &path)).map(|()| ExitCode::SUCCESS),
-    }
+    print::result(format, || as_json(&found, &robot, &path), || as_text(&found, &robot, &path))
 }
 
 /// Parses the positions of all joints from `joint=position,…`.

@@ -7,6 +7,7 @@ use super::super::methods::subset::MOST_ALIKE;
 use super::super::run::moved;
 use super::fit::{HeldOut, Solved, Weighting, fit, held_out, reweighted};
 use super::gains::{Gains, gains};
+use super::joint_prior::JointPrior;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
 use super::levels;
 use super::normal::{Centred, Model, Values};
@@ -78,6 +79,9 @@ pub(super) fn choose<'a>(
     chosen.choose_weight(prior, true)?;
     chosen.reweight(prior)?;
     chosen.choose_widths(prior)?;
+    if sums.by_run(0, None).len() > 1 {
+        chosen.choose_spreads(layout, sums, prior)?;
+    }
     if freedom.offsets.is_none() {
         chosen.choose_offsets(layout, sums, prior)?;
     }
@@ -258,6 +262,24 @@ impl<'a> Chosen<'a> {
         let mut zeros: Vec<f64> = zeros.collect();
         zeros.resize(layout.joints, 0.0);
         self.centred = Centred::new(layout, sums, self.model.offsets, zeros);
+    }
+
+    /// Allows a joint a larger standard deviation of its offsets if this lowers the held-out error by more than one standard
+    /// error. Several runs are necessary, because in a part of a single run in which the joint moves in one direction, an
+    /// offset cannot be distinguished from friction.
+    fn choose_spreads(&mut self, layout: &'a Layout, sums: &'a Sums, prior: &Prior) -> Result<()> {
+        let mut best = self.held_out(prior)?;
+        for joint in layout.rubbing() {
+            let mut zeros = self.centred.zeros.clone();
+            zeros[joint] = JointPrior::fewer(zeros[joint]);
+            let centred = Centred::new(layout, sums, self.model.offsets, zeros);
+            let error = held_out(&centred, &self.model, prior, &self.weighting, &self.values)?;
+            let (excess, deviation) = error.excess(&best);
+            if excess < -deviation {
+                (best, self.centred) = (error, centred);
+            }
+        }
+        Ok(())
     }
 
     /// Chooses an offset for each run if there are several runs and this lowers the held-out error by more than one standard

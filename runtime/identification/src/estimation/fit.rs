@@ -5,7 +5,7 @@ use super::super::methods::offset::mean;
 use super::consistent::bounded;
 use super::layout::Layout;
 use super::levels;
-use super::normal::{Centred, Model, Values, assemble, regularized, solve};
+use super::normal::{Centred, Factor, Model, Values, assemble, regularized};
 use super::prior::Prior;
 use nalgebra::{DMatrix, DVector};
 
@@ -165,7 +165,7 @@ pub(super) fn fit(
     let regularized = regularized(&normal, &metric);
     let linear = normal.linear + stiffness.component_mul(&known.mean);
     let right = DMatrix::from_column_slice(active.len(), 1, linear.as_slice());
-    let mut x = solve(&regularized, &right)?.column(0).into_owned();
+    let mut x = Factor::new(&regularized)?.solve(&right).column(0).into_owned();
     if model.consistent {
         x = bounded(layout, prior, &active, &regularized, &linear, &x)?;
     }

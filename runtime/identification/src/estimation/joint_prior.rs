@@ -67,6 +67,12 @@ impl JointPrior {
         let spread = self.offset.hypot(deviation);
         if self.offset > 0.0 { self.time * (deviation / spread).powi(2) } else { 0.0 }
     }
+
+    /// The weight of [`Self::samples_of_offset`] for a larger standard deviation of the offset. The factor of the standard
+    /// deviation is [`levels::LARGER_OFFSET`].
+    pub(super) fn fewer(samples: f64) -> f64 {
+        samples / levels::LARGER_OFFSET.get().powi(2)
+    }
 }
 
 /// Largest force that was measured at a joint; zero if the effort is a current with an unknown gain.
@@ -74,11 +80,10 @@ fn largest(layout: &Layout, runs: &[PreparedRun], joint: usize) -> f64 {
     if !layout.known_gains[joint] || !layout.measured[joint] {
         return 0.0;
     }
-    let of_sample = |run: &PreparedRun, i: usize| -> f64 {
-        layout.acting(joint).map(|(effort, factor)| factor * run.efforts[effort][i]).sum()
+    let of_run = |run: &PreparedRun| {
+        let forces = (0..run.times.len()).map(|i| run.force(&layout.input_matrix, joint, i).abs());
+        forces.fold(0.0, f64::max)
     };
-    let of_run =
-        |run: &PreparedRun| (0..run.times.len()).fold(0.0, |most: f64, i| most.max(of_sample(run, i).abs()));
     runs.iter().map(of_run).fold(0.0, f64::max)
 }
 

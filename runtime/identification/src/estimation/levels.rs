@@ -24,6 +24,10 @@ levels! {
     /// class 1.
     OFFSET: f64 = 0.01;
 
+    /// Factor of [`OFFSET`] if the data require larger offsets, for example because of cables, springs, or sensors whose zero
+    /// was never set.
+    LARGER_OFFSET: f64 = 10.0;
+
     /// Number of speeds at which a described friction law is compared with viscous and Coulomb friction.
     SPEEDS: usize = 20;
 

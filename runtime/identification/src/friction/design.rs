@@ -190,8 +190,22 @@ fn seen(library: &Library, offsets: Offsets, velocities: &[f64]) -> Result<(Libr
         [1.0, -1.0].map(|sign| column.iter().map(|x| (sign * x).max(0.0).powi(2)).sum())
     };
     let (kept, out) = seen_both_ways(library.terms(), energies);
+    let told_apart = kept.iter().enumerate().filter(|(place, term)| {
+        let mut steeper = kept[place + 1..].iter();
+        offsets != Offsets::Known
+            || !steeper.any(|other| {
+                are_alike(&matrix.column(**term).into_owned(), &matrix.column(*other).into_owned())
+            })
+    });
+    let told_apart: Vec<usize> = told_apart.map(|(_, term)| *term).collect();
     let note = (!out.is_empty()).then_some(Setting::OneDirection(out));
-    Ok((library.only(&kept)?, note.into_iter().collect()))
+    Ok((library.only(&told_apart)?, note.into_iter().collect()))
+}
+
+/// Whether one column is a multiple of the other within the errors of the data.
+fn are_alike(one: &DVector<f64>, other: &DVector<f64>) -> bool {
+    let left = one - other * (one.dot(other) / other.norm_squared());
+    left.norm() < levels::LEAST_CHANGE.get() * one.norm()
 }
 
 /// The library without terms that act as offsets in these data, and a sentence on the terms that were left out. For example,

@@ -13,8 +13,8 @@ pub(super) struct DelayEstimate {
     pub value: f64,
     /// Standard error in s; infinite if the effort does not show a delay.
     pub error: f64,
-    /// Decrease of ln RSS (residual sum of squares) if the effort has its own delay instead of the common one; zero if both
-    /// delays do not differ significantly.
+    /// Decrease of ln RSS (residual sum of squares) on held-out folds if the effort has its own delay instead of the common
+    /// one. The value is zero if the decrease is within two standard errors, or if both delays do not differ significantly.
     pub drop: f64,
 }
 
@@ -73,8 +73,7 @@ pub(super) fn estimate(columns: &Columns, runs: &[&PreparedRun], step: f64) -> O
         let DelayEstimate { value: alone, error, .. } = own[*m];
         let shrunk = value + (alone - value) / (1.0 + (error / spread).powi(2));
         let differs = (alone - value).abs() > 3.0 * error.hypot(spread);
-        let misfits = search.misfits(&[*m], &[value, shrunk]);
-        let drop = if differs { misfits[0] - misfits[1] } else { 0.0 };
+        let drop = if differs { search.held_out_drop(*m, value, shrunk) } else { 0.0 };
         own[*m] = DelayEstimate { value: shrunk, drop, ..own[*m] };
     }
     let error = common_error(&known.iter().map(|m| own[*m]).collect::<Vec<_>>(), value);
@@ -129,6 +128,23 @@ impl Search<'_> {
             }
         }
         sums
+    }
+
+    /// Returns the decrease of ln RSS of an effort between two delays, on held-out folds; zero if it is within two standard
+    /// errors.
+    fn held_out_drop(&self, m: usize, from: f64, to: f64) -> f64 {
+        let Some(problem) = &self.problems[m] else { return 0.0 };
+        let targets = [from, to].map(|delay| self.effort(m, delay).0);
+        let Some(errors) = problem.held_out(&DMatrix::from_columns(&targets), levels::DELAY_FOLDS.get())
+        else {
+            return 0.0;
+        };
+        let gains: Vec<f64> = errors.iter().map(|fold| fold[0] - fold[1]).collect();
+        let (gain, count) = (gains.iter().sum::<f64>(), gains.len() as f64);
+        let squares: f64 = gains.iter().map(|g| (g - gain / count).powi(2)).sum();
+        let deviation = (squares * count / (count - 1.0)).sqrt();
+        let total: f64 = errors.iter().map(|fold| fold[0]).sum();
+        if gain > 2.0 * deviation && gain < total { -(1.0 - gain / total).ln() } else { 0.0 }
     }
 
     fn own(&self, m: usize) -> DelayEstimate {

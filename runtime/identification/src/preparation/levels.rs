@@ -105,6 +105,9 @@ levels! {
     /// Number of blocks of consecutive samples. A standard error from blocks takes correlated residuals into account.
     DELAY_BLOCKS: usize = 16;
 
+    /// Number of folds that compare an effort's own delay with the common one.
+    DELAY_FOLDS: usize = 8;
+
     /// Smallest assumed standard deviation of the delays of one robot's efforts, in s.
     DELAY_SPREAD: f64 = 1e-3;
 }

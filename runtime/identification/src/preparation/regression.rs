@@ -2,12 +2,14 @@
 //! compare delays and bandwidths. Each effort has separate parameters here.
 
 use super::super::methods::filter::{Band, Filter};
+use super::super::methods::moments::contiguous_blocks;
 use super::super::numeric::spectrum::svd;
 use super::super::numeric::statistics::largest;
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 use std::rc::Rc;
 
 /// Ridge parameter of the normal equations for columns of unit length. Parameters that the motion does not determine stay
@@ -168,6 +170,8 @@ pub(super) struct Problem {
     /// column of the regression and one column for each sample. The rows are orthonormal, apart from the effect of the
     /// ridge. An entry is zero if a joint on which the effort acts rests at the sample.
     basis: DMatrix<f64>,
+    /// Scaled columns of the regression as rows of unit length, one entry for each sample.
+    rows: DMatrix<f64>,
     /// Factor of each sample: 0 if a joint on which the effort acts rests, otherwise 1.
     moving: DVector<f64>,
 }
@@ -217,7 +221,23 @@ impl Problem {
             DMatrix::from_fn(used.len(), columns.ncols(), |k, i| columns[(used[k], i)] / norms[used[k]]);
         // nalgebra multiplies by a transposed copy in blocks, which is several times faster than dot products.
         let gram = ridged(&rows * rows.transpose());
-        Some(Self { basis: gram.cholesky()?.l().solve_lower_triangular(&rows)?, moving })
+        Some(Self { basis: gram.cholesky()?.l().solve_lower_triangular(&rows)?, rows, moving })
+    }
+
+    /// Returns the residual sum of squares of each target on each of `folds` contiguous folds, for a fit to the samples
+    /// outside the fold; `None` if too few samples remain outside a fold.
+    pub(crate) fn held_out(&self, targets: &DMatrix<f64>, folds: usize) -> Option<Vec<Vec<f64>>> {
+        let part = |fold: &Range<usize>| self.rows.columns(fold.start, fold.len());
+        let of_targets = |fold: &Range<usize>| targets.rows(fold.start, fold.len());
+        let (gram, products) = (&self.rows * self.rows.transpose(), &self.rows * targets);
+        let errors = |fold: Range<usize>| {
+            let (x, t) = (part(&fold), of_targets(&fold));
+            let others = ridged(&gram - x * x.transpose()).cholesky()?;
+            let left = t - x.tr_mul(&others.solve(&(&products - x * t)));
+            let moving = self.moving.rows(fold.start, fold.len());
+            Some(left.column_iter().map(|left| left.component_mul(&moving).norm_squared()).collect())
+        };
+        contiguous_blocks(self.moving.len(), folds).map(errors).collect()
     }
 
     /// Returns the part of `target` that the columns do not explain; zero at samples of rest.

@@ -4,6 +4,7 @@ use super::super::least_squares::solve_scaled;
 use super::super::moments::Moments;
 use super::{Lasso, active_terms};
 use crate::error::{IdentificationError, Result, require_setting};
+use crate::numeric::spectrum::symmetric_eigen;
 use gelenk_findings::digits::plain;
 use nalgebra::{DMatrix, DVector};
 
@@ -111,7 +112,9 @@ impl Problem {
             let right = DVector::from_fn(self.b.len(), |j, _| {
                 self.b[j] - self.samples * lambda * self.weights[j] * state.w[j].signum()
             });
-            let Some(solution) = solve_scaled(&self.gram, &right, &active, 0.0) else { break };
+            let collinear = self.along_null_direction(&active, &state.w);
+            let solution = collinear.or_else(|| solve_scaled(&self.gram, &right, &active, 0.0));
+            let Some(solution) = solution else { break };
             let (fraction, leaving) = self.largest_step(&active, &solution, &state.w);
             for (&j, x) in active.iter().zip(solution.iter()) {
                 state.w[j] += fraction * (x - state.w[j]);
@@ -120,6 +123,29 @@ impl Problem {
             state.w[leaving] = 0.0;
         }
         state.c = &self.b - &self.gram * &state.w;
+    }
+
+    /// Returns a distant point in a direction that does not change the fitted values and makes the penalty smaller. On the way
+    /// to this point a coefficient reaches zero. `None` if the active terms are not collinear.
+    fn along_null_direction(&self, active: &[usize], w: &DVector<f64>) -> Option<DVector<f64>> {
+        let n = active.len();
+        let norm = |i: usize| self.gram[(active[i], active[i])].sqrt();
+        let scaled = DMatrix::from_fn(n, n, |i, j| self.gram[(active[i], active[j])] / (norm(i) * norm(j)));
+        // The smallest pivot of the Cholesky factorization is an upper bound of the smallest eigenvalue and much cheaper to
+        // compute.
+        let factor = scaled.clone().cholesky();
+        if n == 0 || factor.is_some_and(|factor| factor.l_dirty().diagonal().amin() > 1e-5) {
+            return None;
+        }
+        let eigen = symmetric_eigen(scaled);
+        let least = eigen.eigenvalues.imin();
+        let direction = DVector::from_fn(n, |i, _| eigen.eigenvectors[(i, least)] / norm(i));
+        let slope: f64 = (0..n).map(|i| self.weights[active[i]] * w[active[i]].signum() * direction[i]).sum();
+        let direction = direction * if slope > 0.0 { -1.0 } else { 1.0 };
+        let falls = (0..n).map(|i| -w[active[i]] / direction[i]).filter(|length| *length > 0.0);
+        let length = 2.0 * falls.fold(f64::INFINITY, f64::min);
+        let is_null = eigen.eigenvalues[least] <= 1e-12 && length.is_finite();
+        is_null.then(|| DVector::from_fn(n, |i, _| w[active[i]] + length * direction[i]))
     }
 
     /// Returns the share of the step to `solution` that keeps all signs, and the coefficient that limits the step.
