@@ -299,9 +299,6 @@ fn share(sums: &ShareSums) -> Result<Share> {
 }
 
 fn from_hexadecimal(text: &str) -> Option<Hash> {
-    let mut hash = Hash::default();
-    for (i, byte) in hash.iter_mut().enumerate() {
-        *byte = u8::from_str_radix(text.get(2 * i..2 * i + 2)?, 16).ok()?;
-    }
-    (text.len() == 2 * hash.len()).then_some(hash)
+    let byte = |i: usize| u8::from_str_radix(text.get(2 * i..2 * i + 2)?, 16).ok();
+    (0..text.len().div_ceil(2)).map(byte).collect::<Option<Vec<u8>>>()?.try_into().ok()
 }

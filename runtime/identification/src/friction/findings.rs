@@ -1,6 +1,7 @@
 //! Findings about a friction law while it is identified: doubts, and reasons to refuse it.
 
 use super::super::error::Result;
+use super::super::methods::library::Library;
 use super::super::result::FrictionLaw;
 use super::levels;
 use super::settings::Setting;
@@ -42,6 +43,11 @@ impl<'a> Findings<'a> {
 
     pub(super) fn note(&mut self, setting: &Setting) {
         self.notes.push(setting.finding());
+    }
+
+    /// Notes the terms from which the law is chosen.
+    pub(super) fn note_library(&mut self, library: &Library, with_offsets: bool, condition: f64) {
+        self.note(&Setting::Library { terms: library.terms().to_vec(), with_offsets, condition });
     }
 
     pub(super) fn add(&mut self, finding: Finding) {

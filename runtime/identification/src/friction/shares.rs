@@ -42,11 +42,7 @@ impl FrictionIdentification {
         let reduced = Reduced::from_moments(Moments::sum(&data.shares)?)?;
         let library = Library::new(reduced.moments().names(), &["v"])?;
         let mut findings = Findings::new(&data.about);
-        findings.note(&Setting::Library {
-            terms: library.terms().to_vec(),
-            with_offsets: true,
-            condition: reduced.condition(),
-        });
+        findings.note_library(&library, true, reduced.condition());
         let shares = || Ok(data.shares.clone());
         let candidates = Candidates {
             library: &library,

@@ -46,11 +46,7 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
 }
 
 fn describe_library(design: &Design, reduced: &Reduced, findings: &mut Findings) {
-    findings.note(&Setting::Library {
-        terms: design.library.terms().to_vec(),
-        with_offsets: design.separate,
-        condition: reduced.condition(),
-    });
+    findings.note_library(&design.library, design.separate, reduced.condition());
     design.notes.iter().for_each(|note| findings.note(note));
     findings.all.extend(design.hidden.clone());
     if reduced.is_orthogonal() {
