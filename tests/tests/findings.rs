@@ -41,7 +41,10 @@ fn rules(text: &str, place: &str, rows: &mut BTreeMap<String, String>) {
 
 /// Sections of the page with the folders of their rules.
 const SECTIONS: [(&str, &[&str]); 2] = [
-    ("Logs and fits (`gelenk identify`)", &["runtime/identification/src", "codegen/src/cli/identify"]),
+    (
+        "Logs and fits (`gelenk identify`)",
+        &["runtime/identification/src", "codegen/src/identify", "codegen/src/cli/identify"],
+    ),
     ("Probable mistakes in descriptions", &["codegen/src/lint"]),
 ];
 

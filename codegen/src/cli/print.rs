@@ -31,6 +31,18 @@ pub(super) fn json(value: &Value) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Writes the result of a command to standard output in the chosen format.
+pub(super) fn result(
+    format: Format,
+    as_json: impl FnOnce() -> Value,
+    as_text: impl FnOnce() -> String,
+) -> Result<ExitCode, Failure> {
+    match format {
+        Format::Json => json(&as_json()),
+        Format::Text => out(&as_text()).map(|()| ExitCode::SUCCESS),
+    }
+}
+
 /// Writes to standard error. Failures are ignored.
 pub(super) fn err(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());

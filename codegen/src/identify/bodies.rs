@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 
-use super::parameters::parameters;
 use super::words::number;
 use crate::diagnostic::Diagnostics;
 use crate::dynamics::parameters::regressor::PER_LINK;
@@ -114,7 +113,9 @@ impl LinkBodies {
 /// # Errors
 /// The errors are those of [`InterpretedRobot::new`](super::InterpretedRobot::new).
 pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<LinkBodies>, Diagnostics> {
-    let fixed = without_bodies(model)?;
+    let mut bare = model.clone();
+    bare.links.iter_mut().for_each(|link| link.bodies.clear());
+    let fixed = super::parameters::parameters(&bare)?;
     let carriers: Vec<Option<usize>> = (0..model.links.len()).map(|link| carrier(model, link)).collect();
     let links = parameters.chunks_exact(PER_LINK).zip(fixed.chunks_exact(PER_LINK)).enumerate();
     let carrying_joints = model.carrying_joints();
@@ -137,14 +138,6 @@ pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<LinkBodies>, Diag
         LinkBodies { body: BodyValues::of_link(first, link, &own), emptied, fixed: fixed.to_vec() }
     };
     Ok(links.map(of_joint).collect())
-}
-
-/// Returns the inertial parameters of the moving links without their bodies, which are those of the rotors of
-/// held joints.
-fn without_bodies(model: &Model) -> Result<Vec<f64>, Diagnostics> {
-    let mut model = model.clone();
-    model.links.iter_mut().for_each(|link| link.bodies.clear());
-    parameters(&model)
 }
 
 /// Returns the index of the moving joint that carries a link; `None` for links on the base.

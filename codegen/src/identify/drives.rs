@@ -1,71 +1,108 @@
 //! Identified drives as TOML of a description.
 
 use super::words::{number, text, weighted};
-use crate::dynamics::parameters::regressor::drives_with_rotor;
-use crate::model::{Drive, Input, Model, RotorCoupling};
+use crate::model::{Drive, Input, Joint, Model, RotorCoupling};
 use crate::wording::toml_text;
 use gelenk_formula::Formula;
+use gelenk_identification::result::FrictionResult;
+use gelenk_identification::result::description::{comment_lines, friction_value};
 
-/// Identified values of a joint's drive.
+/// Identified values of a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct IdentifiedDrive {
+pub struct IdentifiedDrive<'a> {
+    /// Friction of the shaft; `None` keeps the friction of the description. If the shaft moves only one
+    /// joint, its friction is part of the joint's friction.
+    pub friction: Option<&'a FrictionResult>,
     /// Inertia of the rotor about its axis in kg m²; `None` if the equations of motion have no parameter for
     /// this rotor.
     pub rotor: Option<f64>,
-    /// Inertia that the drive adds to its joint (reflected inertia), in kg m² or kg; `None` if the description
-    /// has a rotor or a gear.
-    pub reflected: Option<f64>,
+    /// Inertia that is added at the shaft or the joint, in kg m² or kg; `None` if the description has a rotor
+    /// or a gear.
+    pub added: Option<f64>,
     /// Motor constant K_M in N m/A; `None` if it was not identified.
     pub motor_constant: Option<f64>,
 }
 
-/// Returns the rotor inertia J_R of an identified drive in kg m², and how it enters the mass matrix.
-///
-/// - `rotor`: inertia as a parameter of the equations. Every drive with a gear or a described rotor has
-///   this parameter.
-/// - `added`: inertia that was found for a drive without a gear and without a rotor. It does not belong to
-///   a body that turns with a carrier, so it enters only the diagonal.
-pub(super) fn found_rotor(
-    drive: &Drive,
-    rotor: Option<f64>,
-    added: Option<f64>,
-) -> (Option<f64>, RotorCoupling) {
-    let coupling = if rotor.is_none() && added.is_some() { RotorCoupling::Diagonal } else { drive.coupling };
-    (rotor.or(added), coupling)
+/// Identified drives as TOML of a description.
+#[derive(Debug, Default)]
+pub struct WrittenDrives {
+    /// Lines with the key `drive`, with the name of the joint that has this key.
+    pub of_joints: Vec<(String, String)>,
+    /// Tables `[[drives]]`.
+    pub tables: Vec<String>,
 }
 
-/// Returns lines of TOML for each joint whose drive was identified, with the joint's name. The first line
-/// is the key `drive`. If no friction law of the joint was found, the key `friction` of the description
-/// follows. Otherwise friction at the drive would be lost. Drives in the table `[[drives]]` are written by
-/// [`super::drive_table`].
+/// Returns all drives with identified values as TOML. If no friction law of a drive's joint was found, the
+/// described friction of the joint follows. Otherwise friction at the drive would be lost.
 ///
 /// - `model`: model of the identified robot
 /// - `described`: model with the friction of the description
-/// - `identified`: identified values of each coordinate's drive
-/// - `has_law`: for each coordinate, whether a friction law was found
-#[must_use]
-pub fn drives(
-    model: &Model,
+/// - `identified`: returns the identified values of a drive, and whether a friction law of its joint was found
+///
+/// # Errors
+/// [`IdentificationError`](gelenk_identification::IdentificationError) if a description cannot express a
+/// friction law.
+pub fn write_drives<'a>(
+    model: &'a Model,
     described: &Model,
-    identified: &[IdentifiedDrive],
-    has_law: &[bool],
-) -> Vec<(String, String)> {
-    let written = model.input_drives().filter_map(|drive| {
-        let coordinate = drive.coordinate().filter(|_| !drive.stands_apart)?;
-        let found = identified.get(coordinate).filter(|found| **found != IdentifiedDrive::default())?;
-        let joint = model.joints().nth(coordinate)?;
-        let (inertia, coupling) = found_rotor(drive, found.rotor, found.reflected);
-        let keys = entries(model, drive, inertia, coupling, found.motor_constant).join(", ");
-        let friction = (!has_law[coordinate]).then(|| joint_friction(described, &joint.name)).flatten();
-        let lines = std::iter::once(format!("drive = {{ {keys} }}"));
-        Some((joint.name.clone(), lines.chain(friction).collect::<Vec<_>>().join("\n")))
+    identified: impl Fn(&'a Drive) -> (IdentifiedDrive<'a>, bool),
+) -> gelenk_identification::Result<WrittenDrives> {
+    let mut written = WrittenDrives::default();
+    for drive in model.input_drives() {
+        let (found, has_law) = identified(drive);
+        if found == IdentifiedDrive::default() {
+            continue;
+        }
+        let joint = drive.coordinate().and_then(|coordinate| model.joints().nth(coordinate));
+        let kept = joint.filter(|_| !has_law).and_then(|joint| joint_friction(described, &joint.name));
+        if drive.stands_apart {
+            written.tables.extend(drive_table(described, &drive.name, &found)?);
+            let table = |(joint, friction): (&Joint, String)| {
+                format!("[[joints]]\nname = {}\n{friction}\n", toml_text(&joint.name))
+            };
+            written.tables.extend(joint.zip(kept).map(table));
+        } else if let Some(joint) = joint {
+            let key = format!("drive = {{ {} }}", entries(model, drive, &found).join(", "));
+            let lines: Vec<String> = std::iter::once(key).chain(kept).collect();
+            written.of_joints.push((joint.name.clone(), lines.join("\n")));
+        }
+    }
+    Ok(written)
+}
+
+/// Returns the table `[[drives]]` of an identified drive, including all other keys of its description;
+/// `None` if the description has no table for this drive.
+///
+/// - `described`: model with the friction of the description
+fn drive_table(
+    described: &Model,
+    name: &str,
+    found: &IdentifiedDrive<'_>,
+) -> gelenk_identification::Result<Option<String>> {
+    let is_meant = |drive: &&Drive| drive.stands_apart && drive.name == name;
+    let Some(drive) = described.input_drives().find(is_meant) else { return Ok(None) };
+    let names: Vec<&str> = described.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+    let joints: Vec<&str> =
+        described.joints().chain(described.driven_joints()).map(|joint| joint.name.as_str()).collect();
+    let on = drive.acts_on.iter().filter_map(|moved| {
+        Some(format!("{} = {}", toml_text(joints.get(moved.coordinate)?), text(&moved.ratio, &names)))
     });
-    written.collect()
+    let on: Vec<String> = on.collect();
+    let mut lines = entries(described, drive, found);
+    lines.insert(1, format!("on = {{ {} }}", on.join(", ")));
+    let friction = match found.friction {
+        Some(result) => Some(friction_value(result)?),
+        None => (!drive.friction.is_empty())
+            .then(|| format!("{{ terms = {} }}", weighted(&drive.friction, &names))),
+    };
+    lines.extend(friction.map(|friction| format!("friction = {friction}")));
+    let comments = found.friction.map(comment_lines).unwrap_or_default();
+    Ok(Some(format!("[[drives]]\n{comments}{}\n", lines.join("\n"))))
 }
 
 /// Returns the key `friction` of a joint as in the description, including friction at the shaft of its
 /// drive; `None` if there is no friction.
-pub(super) fn joint_friction(described: &Model, name: &str) -> Option<String> {
+fn joint_friction(described: &Model, name: &str) -> Option<String> {
     let joint = described.joints().find(|joint| joint.name == name)?;
     let names: Vec<&str> = described.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     let load = (!joint.load_friction.is_empty())
@@ -76,39 +113,22 @@ pub(super) fn joint_friction(described: &Model, name: &str) -> Option<String> {
     (!keys.is_empty()).then(|| format!("friction = {{ {} }}", keys.join(", ")))
 }
 
-/// Returns for each coordinate the index of its drive's rotor among the rotor parameters; `None` if there
-/// is no rotor.
-#[must_use]
-pub fn rotors(model: &Model) -> Vec<Option<usize>> {
-    let place = |coordinate| {
-        let mut drives = drives_with_rotor(model);
-        drives.position(|drive| drive.coordinate() == Some(coordinate) && drive.input != Input::None)
-    };
-    (0..model.coordinates.len()).map(place).collect()
-}
-
-/// Returns the keys of a drive with their values, except friction and the joints on which the drive acts.
-///
-/// - `inertia`: inertia of the rotor in kg m²; `None` keeps the described inertia
-/// - `coupling`: how the inertia enters the mass matrix
-pub(super) fn entries(
-    model: &Model,
-    drive: &Drive,
-    inertia: Option<f64>,
-    coupling: RotorCoupling,
-    motor_constant: Option<f64>,
-) -> Vec<String> {
+/// Returns the keys of a drive with their values, except friction and the joints on which the drive acts. An
+/// inertia that was found for a drive without a gear and without a rotor does not belong to a body that
+/// turns with a carrier, so it enters only the diagonal of the mass matrix.
+fn entries(model: &Model, drive: &Drive, found: &IdentifiedDrive<'_>) -> Vec<String> {
     let names: Vec<&str> = model.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     let formula = |described: &Formula| text(described, &names);
-    let inertia = inertia.map_or_else(|| formula(&drive.rotor_inertia), number);
+    let inertia = found.rotor.or(found.added).map_or_else(|| formula(&drive.rotor_inertia), number);
+    let is_added = found.rotor.is_none() && found.added.is_some();
     let mut entries = vec![
         format!("name = {}", toml_text(&drive.name)),
         format!("gear_ratio = {}", formula(&drive.gear_ratio)),
         format!("rotor_inertia = {inertia}"),
     ];
-    match coupling {
-        RotorCoupling::Diagonal => entries.push("coupling = \"diagonal\"".to_owned()),
-        RotorCoupling::Body => entries.extend(mounting(model, drive)),
+    match drive.coupling {
+        RotorCoupling::Body if !is_added => entries.extend(mounting(model, drive)),
+        _ => entries.push("coupling = \"diagonal\"".to_owned()),
     }
     entries.extend(torques(drive));
     entries.extend(drive.speed.map(|speed| format!("speed = {speed:?}")));
@@ -120,7 +140,7 @@ pub(super) fn entries(
         Input::Torque | Input::None => None,
         Input::Current(constant) => Some(formula(constant)),
     };
-    let constant = motor_constant.map(number).or(described);
+    let constant = found.motor_constant.map(number).or(described);
     entries.extend(constant.map(|constant| format!("motor_constant = {constant}")));
     entries
 }

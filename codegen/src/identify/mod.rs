@@ -17,11 +17,11 @@ mod terms;
 mod words;
 
 pub use bodies::{BodyValues, LinkBodies, bodies};
-pub use drives::{IdentifiedDrive, drives, rotors};
+pub use drives::{IdentifiedDrive, WrittenDrives, write_drives};
 pub use online::{DescribedForces, OnlineJoint, Replay, online_page, replay};
 pub use robot::{InterpretedRobot, RobotChoices};
 pub use rounding::{round_bodies, rounded_load};
-pub use shafts::{IdentifiedShaft, drive_table, joint_tables, kept_friction, shaft_rotor};
+pub use shafts::{joint_tables, shaft_rotor};
 pub use terms::{front, front_as_json, terms_as_json};
 
 #[cfg(test)]
@@ -33,7 +33,7 @@ mod tests {
 
     use super::*;
     use crate::dynamics::parameters::regressor::PER_LINK;
-    use crate::model;
+    use crate::model::{self, Drive};
     use crate::read::{self, ReadOptions};
 
     fn robot(path: &Path) -> InterpretedRobot {
@@ -99,16 +99,15 @@ mod tests {
         std::fs::write(&path, RUBBING_SHAFTS).unwrap();
         let described = read::read(&path, &ReadOptions::default()).unwrap().model;
         assert_eq!(InterpretedRobot::new(&described).unwrap().takes_inertia(), [false; 2]);
+        let rotor = |drive: &Drive| if drive.name == "motor" { 5e-5 } else { 2e-4 };
         let identified =
-            [IdentifiedDrive { rotor: Some(2e-4), ..Default::default() }, IdentifiedDrive::default()];
-        let found = IdentifiedShaft { name: "motor", rotor: Some(5e-5), ..Default::default() };
-        let motor = described.drives.iter().find(|drive| drive.name == "motor").unwrap();
-        let tables = [drive_table(&described, &found).unwrap(), kept_friction(&described, &described, motor)];
+            |drive: &Drive| (IdentifiedDrive { rotor: Some(rotor(drive)), ..Default::default() }, false);
+        let drives = write_drives(&described, &described, identified).unwrap();
         let text = identified_toml(&Identified {
             name: "identified",
             extends: "arm.toml",
-            drives: &drives(&described, &described, &identified, &[false; 2]),
-            bodies: &tables.map(Option::unwrap),
+            drives: &drives.of_joints,
+            bodies: &drives.tables,
             ..Default::default()
         });
         let path = folder.path().join("identified.toml");
@@ -163,19 +162,17 @@ mod tests {
             let described = robot(&path);
             let (model, expected) = (described.model(), changed(&described));
             let (links, others) = expected.split_at(PER_LINK * described.bodies());
-            let identified: Vec<IdentifiedDrive> = rotors(model)
-                .iter()
-                .map(|place| IdentifiedDrive {
-                    rotor: place.map(|place| others[place]),
-                    ..Default::default()
-                })
-                .collect();
+            let identified = |drive: &Drive| {
+                let rotor = shaft_rotor(model, &drive.name).map(|place| others[place]);
+                (IdentifiedDrive { rotor, ..Default::default() }, true)
+            };
+            let drives = write_drives(model, model, identified).unwrap();
             let written: Vec<String> =
                 bodies(model, links).unwrap().iter().flat_map(LinkBodies::toml).collect();
             let text = identified_toml(&Identified {
                 name: "identified",
                 extends: &path.canonicalize().unwrap().display().to_string(),
-                drives: &drives(model, model, &identified, &vec![true; identified.len()]),
+                drives: &drives.of_joints,
                 bodies: &written,
                 ..Default::default()
             });

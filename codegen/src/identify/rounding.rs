@@ -73,7 +73,10 @@ impl<'a> Found<'a> {
         let rows = PER_LINK * place;
         let covariance = estimate.parameter_covariance.view((rows, rows), (PER_LINK, PER_LINK));
         let slopes = slopes(&link.body);
-        let factor = half_widths_of_errors(estimate);
+        let uncertain = estimate.parameters.iter().filter(|p| p.standard_error > 0.0);
+        let factors = uncertain.map(|p| 0.5 * (p.interval[1] - p.interval[0]) / p.standard_error);
+        // Half the width of an interval in standard errors.
+        let factor = factors.fold(1.0, f64::max);
         let error = |k: usize| {
             let slope: DVector<f64> = slopes.row(k).transpose();
             let error = factor * slope.dot(&(covariance * &slope)).max(0.0).sqrt();
@@ -129,13 +132,6 @@ impl<'a> Found<'a> {
 
 fn keeps_existing(before: &[f64; PER_LINK], after: &[f64; PER_LINK]) -> bool {
     margin(before) <= 0.0 || margin(after) > 0.0
-}
-
-/// Returns half the width of a confidence interval in standard errors.
-fn half_widths_of_errors(estimate: &Estimate) -> f64 {
-    let uncertain = estimate.parameters.iter().filter(|p| p.standard_error > 0.0);
-    let factors = uncertain.map(|p| 0.5 * (p.interval[1] - p.interval[0]) / p.standard_error);
-    factors.fold(1.0, f64::max)
 }
 
 /// Returns the derivatives of a body's numbers with respect to the ten parameters of its link.

@@ -128,6 +128,12 @@ impl PreparedRun {
         if self.poses.is_empty() { &self.positions } else { &self.poses }
     }
 
+    /// The entries of y, and the velocities and accelerations of the joints, at a sample.
+    pub(crate) fn state(&self, sample: usize) -> [Vec<f64>; 3] {
+        let columns = [self.coordinates(), &self.velocities, &self.accelerations];
+        columns.map(|columns| columns.iter().map(|column| column[sample]).collect())
+    }
+
     /// Force at a joint [N·m or N], computed from the measured efforts with a gain of one.
     ///
     /// - `input_matrix`: input matrix B, row by row

@@ -212,8 +212,7 @@ impl<'a> Prediction<'a> {
     }
 
     fn add(&mut self, run: &PreparedRun, sample: usize, sums: &mut [[Sums; 2]]) {
-        let at = |columns: &[Vec<f64>]| columns.iter().map(|column| column[sample]).collect::<Vec<f64>>();
-        let (y, v, a) = (at(run.coordinates()), at(&run.velocities), at(&run.accelerations));
+        let [y, v, a] = run.state(sample);
         self.rigid(&y, &v, &a);
         // A joint without measured efforts in the logs of the identification has no identified law.
         let known = |joint: &usize| self.found.estimate.joints[*joint].measured;

@@ -20,12 +20,13 @@ use super::super::failure::Failure;
 use super::super::place::{self, Workspace, shown};
 use super::super::{print, report};
 use super::found_json;
+use super::moments::MOMENTS;
 use super::motor_constants;
 use super::read::{read, say};
 use crate::dynamics::parameters::regressor::PER_LINK;
 use crate::identify::{
-    IdentifiedDrive, IdentifiedShaft, InterpretedRobot, LinkBodies, bodies, drive_table, drives, front,
-    joint_tables, kept_friction, page, rotors, round_bodies, shaft_rotor,
+    IdentifiedDrive, InterpretedRobot, LinkBodies, bodies, front, joint_tables, page, round_bodies,
+    shaft_rotor, write_drives,
 };
 use crate::model::{Drive, Input, Joint, Model, Motion};
 use crate::read::Loaded;
@@ -69,7 +70,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
             print::after(validation, &found.findings(&robot))?
         }
     };
-    finish(arguments, format, (&loaded, &robot), &found, &validation, &command(arguments), &output)
+    finish(arguments, format, (&loaded, &robot), &found, &validation, &output)
 }
 
 /// Writes the results of an identification: the description, the page, and a table or JSON on standard
@@ -80,9 +81,9 @@ pub(super) fn finish(
     (loaded, robot): (&Loaded, &InterpretedRobot),
     found: &Identification,
     validation: &[JointValidation],
-    command: &str,
     output: &Path,
 ) -> Result<ExitCode, Failure> {
+    let command = &command(arguments);
     let remarks = [
         replaced_load(&loaded.model, found),
         without_wrenches(&loaded.model),
@@ -105,12 +106,11 @@ pub(super) fn finish(
     };
     let front = arguments.method.as_ref().map(|_| front(found)).filter(|table| table.len() > 1);
     let found = (found, findings.as_slice());
-    match format {
-        Format::Json => print::json(&found_json::as_json(found, validation, output, &files)),
-        Format::Text => {
-            print::out(&as_text(found, (front, validation), output, &files)).map(|()| ExitCode::SUCCESS)
-        }
-    }
+    print::result(
+        format,
+        || found_json::as_json(found, validation, output, &files),
+        || as_text(found, (front, validation), output, &files),
+    )
 }
 
 pub(super) fn settings(arguments: &Identify) -> Result<IdentificationSettings, Failure> {
@@ -221,12 +221,14 @@ pub(super) fn output(arguments: &Identify, loaded: &Loaded, kind: &str) -> Resul
 /// the machine.
 pub(super) fn command(arguments: &Identify) -> String {
     let workspace = Workspace::find();
-    let files = std::iter::once(&arguments.description).chain(&arguments.logs);
+    let logs = if arguments.merge { &[][..] } else { &arguments.logs };
+    let files = std::iter::once(&arguments.description).chain(logs);
     let files = files.map(|file| quoted(&shown(file, workspace.as_ref())));
     let word =
         |option: &str, value: Option<String>| value.map(|value| format!("{option} {}", quoted(&value)));
     let loaded = arguments.payload.iter().map(|log| word("--payload", Some(shown(log, workspace.as_ref()))));
     let options = [
+        arguments.merge.then(|| format!("--merge *.{MOMENTS}")),
         word("--columns", arguments.columns.clone()),
         word("--separator", arguments.separator.map(String::from)),
         word("--effort", arguments.effort.and_then(name_of)),
@@ -242,7 +244,7 @@ pub(super) fn command(arguments: &Identify) -> String {
             Some(arguments.derivative).filter(|name| *name != DerivativeName::Filter).and_then(name_of),
         ),
         word("--payload-on", arguments.payload_on.clone()),
-        on_joints(arguments),
+        (arguments.friction_on == FrictionPlace::Joints).then(|| "--friction-on joints".to_owned()),
         arguments.accept_poor.then(|| "--accept-poor".to_owned()),
         arguments.online.then(|| "--online".to_owned()),
     ];
@@ -255,11 +257,6 @@ pub(super) fn command(arguments: &Identify) -> String {
 /// Returns the word with which an option's value is written on the command line.
 fn name_of(value: impl ValueEnum) -> Option<String> {
     Some(value.to_possible_value()?.get_name().to_owned())
-}
-
-/// Returns the option `--friction-on joints` if it was given.
-pub(super) fn on_joints(arguments: &Identify) -> Option<String> {
-    (arguments.friction_on == FrictionPlace::Joints).then(|| "--friction-on joints".to_owned())
 }
 
 fn describe(
@@ -282,81 +279,42 @@ fn describe(
     let mut bodies = bodies_of(links)?;
     round_bodies(&mut bodies, &bodies_of(&robot.parameters()[..links.len()])?, &found.estimate);
     let mut tables: Vec<String> = bodies.iter().flat_map(LinkBodies::toml).collect();
-    tables.extend(drive_tables(described, robot, found, others)?);
-    let of_joint = |(rotor, joint): (Option<usize>, &JointEstimate)| IdentifiedDrive {
-        rotor: rotor.map(|place| others[place]),
-        reflected: joint.armature.map(|inertia| inertia.value),
-        motor_constant: joint.gain.map(|gain| gain.value),
-    };
-    let joints = rotors(robot.model()).into_iter().zip(&found.estimate.joints);
-    let identified: Vec<IdentifiedDrive> = joints.map(of_joint).collect();
+    if let Some(terms) = found.joint_terms() {
+        tables.extend(joint_tables(robot.model(), &terms));
+    }
+    let rotor = |drive: &Drive| shaft_rotor(robot.model(), &drive.name).map(|place| others[place]);
+    let drives =
+        write_drives(robot.model(), described, |drive| identified_drive(found, drive, rotor(drive)))?;
+    tables.extend(drives.tables);
     let of_joints = found.friction.iter().filter(|law| found.shaft(law.joint).is_none());
     let friction = of_joints.filter_map(|law| law.report.as_ref().ok());
     let friction: Vec<FrictionResult> = friction.map(|report| report.result.clone()).collect();
-    let has_law: Vec<bool> = (0..identified.len()).map(|joint| found.law(joint).is_some()).collect();
     let provenance = provenance(found, findings, command);
-    let name = output.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    Ok(write_identified(
-        output,
-        &Identified {
-            name: &name,
-            extends: &relative(&arguments.description, output)?,
-            provenance: &provenance,
-            settings: &arguments.reading.keys(),
-            friction: &friction,
-            drives: &drives(robot.model(), described, &identified, &has_law),
-            bodies: &tables,
-        },
-    )?)
+    let identified = Identified {
+        provenance: &provenance,
+        friction: &friction,
+        drives: &drives.of_joints,
+        bodies: &tables,
+        ..Identified::default()
+    };
+    write_description(arguments, identified, output)
 }
 
-/// Returns lines of TOML for the drives in `[[drives]]`, and for the joints whose equations in the fit are
-/// replaced by those of drives' shafts.
-///
-/// - `others`: inertial parameters after those of the bodies
-fn drive_tables(
-    described: &Model,
-    robot: &InterpretedRobot,
-    found: &Identification,
-    others: &[f64],
-) -> Result<Vec<String>, Failure> {
-    let model = robot.model();
-    let mut tables = Vec::new();
-    if let Some(terms) = found.joint_terms() {
-        tables = joint_tables(model, &terms);
-    }
-    for drive in model.input_drives().filter(|drive| drive.stands_apart) {
-        let rotor = shaft_rotor(model, &drive.name).map(|place| others[place]);
-        let identified = identified_drive(found, drive, rotor);
-        if identified == (IdentifiedShaft { name: &drive.name, ..IdentifiedShaft::default() }) {
-            continue;
-        }
-        tables.extend(drive_table(described, &identified)?);
-        if drive.coordinate().is_some_and(|joint| found.law(joint).is_none()) {
-            tables.extend(kept_friction(model, described, drive));
-        }
-    }
-    Ok(tables)
-}
-
-/// Returns the identified values of a drive in `[[drives]]`.
+/// Returns the identified values of a drive, and whether a friction law of its joint was found.
 fn identified_drive<'a>(
     found: &'a Identification,
-    drive: &'a Drive,
+    drive: &Drive,
     rotor: Option<f64>,
-) -> IdentifiedShaft<'a> {
-    let nothing = IdentifiedShaft { name: &drive.name, ..IdentifiedShaft::default() };
-    let mut rows = 0..found.estimate.joints.len();
-    let shaft = rows.find(|row| found.shaft(*row) == Some(&drive.name));
-    let Some(row) = shaft.or(drive.coordinate()) else { return IdentifiedShaft { rotor, ..nothing } };
-    let estimate = &found.estimate.joints[row];
-    IdentifiedShaft {
+) -> (IdentifiedDrive<'a>, bool) {
+    let shaft = (0..found.estimate.joints.len()).find(|row| found.shaft(*row) == Some(&drive.name));
+    let joint = shaft.or(drive.coordinate()).map(|row| &found.estimate.joints[row]);
+    let identified = IdentifiedDrive {
         friction: shaft.and_then(|row| found.law(row)).map(|report| &report.result),
         rotor,
-        added: estimate.armature.map(|inertia| inertia.value),
-        motor_constant: estimate.gain.map(|gain| gain.value),
-        ..nothing
-    }
+        added: joint.and_then(|joint| joint.armature).map(|inertia| inertia.value),
+        motor_constant: joint.and_then(|joint| joint.gain).map(|gain| gain.value),
+    };
+    (identified, drive.coordinate().is_some_and(|joint| found.law(joint).is_some()))
 }
 
 /// Returns comments for the top of the written description: command, hashes of the logs, fits and findings.
@@ -390,13 +348,20 @@ fn residual(joint: &JointEstimate) -> String {
     format!("{} {}", plain(joint.sigma, 3), joint.unit)
 }
 
-/// Returns the path of the extended description. The path is relative if the description is in the folder
-/// of the output or below it, otherwise absolute.
-pub(super) fn relative(description: &Path, output: &Path) -> Result<String, Failure> {
-    let fault = |error| Failure::Problem(format!("{}: {error}", description.display()));
-    let description = description.canonicalize().map_err(fault)?;
+/// Writes a description that extends the described robot. The path of the extended description is relative if
+/// it is in the folder of the output or below it, otherwise absolute.
+pub(super) fn write_description(
+    arguments: &Identify,
+    identified: Identified<'_>,
+    output: &Path,
+) -> Result<(), Failure> {
+    let name = output.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let fault = |error| Failure::Problem(format!("{}: {error}", arguments.description.display()));
+    let description = arguments.description.canonicalize().map_err(fault)?;
     let path = description.strip_prefix(place::folder(output)?).unwrap_or(&description);
-    Ok(path.display().to_string())
+    let (extends, settings) = (path.display().to_string(), arguments.reading.keys());
+    let identified = Identified { name: &name, extends: &extends, settings: &settings, ..identified };
+    Ok(write_identified(output, &identified)?)
 }
 
 fn as_text(

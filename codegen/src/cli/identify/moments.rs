@@ -12,16 +12,15 @@ use serde_json::{Value, json};
 
 use super::super::arguments::{Format, Identify};
 use super::super::failure::Failure;
-use super::super::{place, print};
-use super::logs::{finish, on_joints, output, settings};
+use super::super::print;
+use super::logs::{finish, output, settings};
 use super::motor_constants;
 use super::read::{read, say};
 use crate::identify::InterpretedRobot;
 use crate::read::Loaded;
-use crate::wording::quoted;
 
-/// File extension of moments, which are sums of products of a log's samples.
-const MOMENTS: &str = "moments";
+/// Extension of files with moments.
+pub(super) const MOMENTS: &str = "moments";
 
 /// Reduces logs to one file of moments.
 pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
@@ -64,7 +63,7 @@ pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitC
     let found = identify_moments(&robot, &description.parts(), &moments, &settings(arguments)?, &mut say);
     let mut found = print::identified(found)?;
     motor_constants::add_doubts(&mut found);
-    finish(arguments, format, (&loaded, &robot), &found, &[], &command(arguments), &path)
+    finish(arguments, format, (&loaded, &robot), &found, &[], &path)
 }
 
 fn is_moments(path: &Path) -> bool {
@@ -78,10 +77,7 @@ fn write(
     format: Format,
 ) -> Result<ExitCode, Failure> {
     moments.write(&description.parts(), path)?;
-    match format {
-        Format::Json => print::json(&as_json(moments, path)),
-        Format::Text => print::out(&as_text(moments, path)).map(|()| ExitCode::SUCCESS),
-    }
+    print::result(format, || as_json(moments, path), || as_text(moments, path))
 }
 
 fn samples(moments: &LogMoments) -> u64 {
@@ -141,20 +137,4 @@ impl Description {
     fn parts(&self) -> Vec<&[u8]> {
         self.files.iter().map(Vec::as_slice).chain([self.reading.as_bytes()]).collect()
     }
-}
-
-/// Returns the command line as text for the written description and the report page. The text does not depend on
-/// the order of the files of moments. In the file, the names of the logs follow.
-fn command(arguments: &Identify) -> String {
-    let workspace = place::Workspace::find();
-    let description = quoted(&place::shown(&arguments.description, workspace.as_ref()));
-    let poor = arguments.accept_poor.then(|| "--accept-poor".to_owned());
-    let words = ["gelenk identify".to_owned(), description, format!("--merge *.{MOMENTS}")];
-    words
-        .into_iter()
-        .chain(poor)
-        .chain(on_joints(arguments))
-        .chain(arguments.reading.words())
-        .collect::<Vec<_>>()
-        .join(" ")
 }

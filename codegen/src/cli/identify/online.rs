@@ -38,11 +38,12 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
         }
         None => Vec::new(),
     };
-    match format {
-        Format::Json => print::json(&as_json((&found, &joints, &unlearned), &recording.findings, &files)),
-        Format::Text => print::out(&as_text((&joints, &unlearned), &recording.findings, &files))
-            .map(|()| ExitCode::SUCCESS),
-    }
+    let findings = &recording.findings;
+    print::result(
+        format,
+        || as_json((&found, &joints, &unlearned), findings, &files),
+        || as_text((&joints, &unlearned), findings, &files),
+    )
 }
 
 fn learned(found: &Replay, robot: &InterpretedRobot) -> Vec<OnlineJoint> {

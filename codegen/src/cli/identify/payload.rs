@@ -7,14 +7,14 @@ use gelenk_findings::digits::{plain, rounded};
 use gelenk_findings::{Severity, texts};
 use gelenk_identification::estimation::Uncertain;
 use gelenk_identification::payload::{CarriedLoad, Payload, PayloadSettings, identify_load};
-use gelenk_identification::result::description::{Identified, write_identified};
+use gelenk_identification::result::description::Identified;
 use gelenk_identification::robot::Robot;
 use serde_json::{Value, json};
 
 use super::super::arguments::{Format, Identify};
 use super::super::failure::Failure;
 use super::super::print;
-use super::logs::{command, output, relative, settings};
+use super::logs::{command, output, settings, write_description};
 use super::read::{read, say};
 use crate::identify::{BodyValues, InterpretedRobot, rounded_load};
 use crate::model::Model;
@@ -33,12 +33,8 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     let found = identify_load(&robot, &arguments.logs, &arguments.payload, both, &mut say);
     let found = print::identified(found)?;
     describe(arguments, &loaded.model, (&found, &carrier.link), &output)?;
-    match format {
-        Format::Json => print::json(&as_json(&found, &carrier.link, &robot, &output)),
-        Format::Text => {
-            print::out(&as_text(&found, &carrier.link, &robot, &output)).map(|()| ExitCode::SUCCESS)
-        }
-    }
+    let parts = (&found, carrier.link.as_str(), &robot, output.as_path());
+    print::result(format, || as_json(parts), || as_text(parts))
 }
 
 /// The link that carries the identified load.
@@ -86,18 +82,8 @@ fn describe(
     });
     let said = texts(&found.findings, Severity::Warning);
     let provenance: Vec<String> = std::iter::once(command(arguments)).chain(hashes).chain(said).collect();
-    let name = output.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    Ok(write_identified(
-        output,
-        &Identified {
-            name: &name,
-            extends: &relative(&arguments.description, output)?,
-            provenance: &provenance,
-            settings: &arguments.reading.keys(),
-            bodies: &[body],
-            ..Identified::default()
-        },
-    )?)
+    let identified = Identified { provenance: &provenance, bodies: &[body], ..Identified::default() };
+    write_description(arguments, identified, output)
 }
 
 /// Returns a name that no body of the description has, because a body with the same name would be replaced.
@@ -118,7 +104,10 @@ fn values(payload: &Payload) -> Vec<(&'static str, &'static str, Uncertain)> {
     std::iter::once(("mass", "kg", payload.mass)).chain(centre).chain(moments).collect()
 }
 
-fn as_text(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &Path) -> String {
+/// The identified load, the link that carries it, the robot, and the written file.
+type Parts<'a> = (&'a CarriedLoad, &'a str, &'a InterpretedRobot, &'a Path);
+
+fn as_text((found, link, robot, output): Parts<'_>) -> String {
     let mut text = print::lines(&found.findings);
     let payload = &found.payload;
     text.push_str(&format!("\nload on {link} (moments of inertia about the load's centre of mass):\n"));
@@ -144,7 +133,7 @@ fn as_text(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &P
     text
 }
 
-fn as_json(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &Path) -> Value {
+fn as_json((found, link, robot, output): Parts<'_>) -> Value {
     let payload = &found.payload;
     let value = |of: &Uncertain| json!({"value": of.value, "interval": of.interval});
     let joints = robot.joint_names().into_iter().zip(&payload.explained).zip(&payload.residuals);

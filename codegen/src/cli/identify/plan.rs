@@ -50,10 +50,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     let found = print::identified(plan(&robot, &settings, &mut say))?;
     let text = found.csv(&robot, 1.0 / arguments.rate, 1);
     write_whole(&path, text).map_err(|error| Failure::Problem(format!("{}: {error}", path.display())))?;
-    match format {
-        Format::Json => print::json(&as_json(&found, &robot, &path)),
-        Format::Text => print::out(&as_text(&found, &robot, &path)).map(|()| ExitCode::SUCCESS),
-    }
+    print::result(format, || as_json(&found, &robot, &path), || as_text(&found, &robot, &path))
 }
 
 /// Parses the positions of all joints from `joint=position,…`.
@@ -132,31 +129,19 @@ fn as_text(plan: &Plan, robot: &InterpretedRobot, path: &Path) -> String {
     let [speeds, efforts] = &plan.largest;
     let what = if plan.shafts.is_empty() { "joint" } else { "joint or shaft" };
     let head = [what, "largest speed", "largest effort", "described limit"];
-    let limit_of = |limit: f64, unit: &str| {
-        if limit.is_finite() { format!("{limit} {unit}") } else { "none".to_owned() }
+    let row = |name: String, [speed, effort]: [f64; 2], limit: f64, [unit, force]: [&str; 2]| {
+        let [speed, effort] = [speed, effort].map(three_digits);
+        let limit = if limit.is_finite() { format!("{limit} {force}") } else { "none".to_owned() };
+        vec![name, format!("{speed} {unit}/s"), format!("{effort} {force}"), limit]
     };
-    let shafts = plan.shafts.iter().map(|shaft| {
-        let limit = limit_of(shaft.limit, "N m");
-        vec![
-            shaft.name.clone(),
-            format!("{} rad/s", three_digits(shaft.speed)),
-            format!("{} N m", three_digits(shaft.torque)),
-            limit,
-        ]
+    let shafts = plan.shafts.iter();
+    let shafts =
+        shafts.map(|shaft| row(shaft.name.clone(), [shaft.speed, shaft.torque], shaft.limit, ["rad", "N m"]));
+    let joints = robot.joint_names().into_iter().zip(robot.position_units()).zip(robot.limits());
+    let rows = joints.enumerate().map(|(i, ((name, unit), limits))| {
+        let force = if unit == "m" { "N" } else { "N m" };
+        row(name, [speeds[i], efforts[i]], limits.effort, [unit, force])
     });
-    let rows =
-        robot.joint_names().into_iter().zip(robot.position_units()).zip(robot.limits()).enumerate().map(
-            |(i, ((name, unit), limits))| {
-                let force = if unit == "m" { "N" } else { "N m" };
-                let limit = limit_of(limits.effort, force);
-                vec![
-                    name,
-                    format!("{} {unit}/s", three_digits(speeds[i])),
-                    format!("{} {force}", three_digits(efforts[i])),
-                    limit,
-                ]
-            },
-        );
     text.push('\n');
     text.push_str(&print::headed(&head, rows.chain(shafts)));
     text.push('\n');

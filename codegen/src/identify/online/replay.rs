@@ -5,7 +5,7 @@ use gelenk_adaptation::{
     Measured, Prediction, Trust, input_inverse,
 };
 use gelenk_dynamics::dynamics::Limits;
-use gelenk_findings::Finding;
+use gelenk_findings::Rule;
 use gelenk_identification::robot::{JointLimits, Robot};
 use gelenk_identification::run::{Effort, Run};
 use gelenk_identification::{IdentificationError, Result};
@@ -157,8 +157,14 @@ pub fn replay(robot: &dyn Robot, forces: &Forces<'_>, runs: &[Run], delay: f64) 
     Ok(Replay { settings, joints: joints.collect() })
 }
 
+/// Sees: a log or a robot for which the estimator of the control loop cannot learn friction.
+/// Matters: the log is not replayed.
+/// Example: a drive that loads two joints together.
+/// Fixture: `drives_that_load_joints_together_are_refused_online`.
+const NOT_REPLAYED: Rule = Rule::error("not-replayed");
+
 fn fault(place: impl Into<String>, message: impl Into<String>) -> IdentificationError {
-    IdentificationError::File(Box::new(Finding::error("unusable-input", message).log(place, None)))
+    IdentificationError::File(Box::new(NOT_REPLAYED.found(message).log(place, None)))
 }
 
 /// Returns the number of periods per second: the inverse of the median time step of the log, rounded to few

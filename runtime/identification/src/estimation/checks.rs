@@ -83,23 +83,6 @@ impl Checked<'_> {
         common_ratio(self.task.robot, self.task.layout.effort, &self.task.layout.known_efforts(), &sizes)
     }
 
-    /// The delay of a joint's effort \[s\] that its residual shows; `None` if the residual is not proportional to the rate of
-    /// the force. A torque τ that is late by d is `τ(t − d) ≈ τ − d τ̇`.
-    pub(super) fn delay(&self, joint: usize) -> Option<f64> {
-        let slope = |run: usize, i: usize| {
-            let (p, t) = (self.predicted(run, joint), &self.task.runs[run].times);
-            let (before, after) = (i.saturating_sub(1), (i + 1).min(t.len() - 1));
-            (p(after) - p(before)) / (t[after] - t[before])
-        };
-        let (factor, share) = self.explained(joint, &slope)?;
-        self.is_suspicious(share).then_some(-factor)
-    }
-
-    fn predicted(&self, run: usize, joint: usize) -> impl Fn(usize) -> f64 + '_ {
-        let (measured, residual) = (&self.forces.measured[run][joint], &self.forces.residual[run][joint]);
-        move |i| measured[i] - residual[i]
-    }
-
     fn acceleration(&self, joint: usize) -> Option<Finding> {
         // A joint with a quaternion has no rotor.
         if self.task.layout.exact[joint] {
@@ -118,27 +101,8 @@ impl Checked<'_> {
         })
     }
 
-    /// Whether the residual of a joint shows load-dependent friction. Such friction leaves the residual
-    /// `(|τ_l| − mean) sign(v)` with the load τ_l of the gear and the velocity v, because the Coulomb term explains the mean of
-    /// |τ_l|.
-    pub(super) fn rubs_under_load(&self, joint: usize) -> bool {
-        let Task { robot, layout, settings, .. } = self.task;
-        // Without gravity, rigid forces are not the loads of the gears. A joint with a quaternion has no gear.
-        let is_known = settings.load_friction || settings.gravity_compensated;
-        if is_known || layout.exact[joint] || !robot.own_inputs()[joint] {
-            return false;
-        }
-        let rigid = |run: usize, i: usize| self.forces.rigid[run][joint][i].abs();
-        let all = self.forces.moving(self.task.layout, self.task.runs, joint).map(|(run, i)| rigid(run, i));
-        let (sum, count) = all.fold((0.0, 0), |(sum, count), force| (sum + force, count + 1));
-        let mean = sum / f64::from(count.max(1));
-        let steepness = self.task.layout.steepness[joint][0];
-        let direction = |run: usize, i: usize| (steepness * self.task.runs[run].velocities[joint][i]).tanh();
-        self.explained(joint, &|run, i| (rigid(run, i) - mean) * direction(run, i))
-            .is_some_and(|(factor, share)| factor > 0.0 && self.is_suspicious(share))
-    }
-
-    fn is_suspicious(&self, share: f64) -> bool {
+    /// Whether a quantity that explains this share of the residual's variance needs a finding.
+    pub(super) fn is_suspicious(&self, share: f64) -> bool {
         let total: usize = self.task.runs.iter().map(|r| r.times.len()).sum();
         share > levels::SUSPICIOUS.get()
             && share > levels::BY_CHANCE.get() * self.correlation_time / total as f64
@@ -146,7 +110,11 @@ impl Checked<'_> {
 
     /// Linear regression of a joint's residual on a quantity: its factor, and the share of the residual's variance that it
     /// explains. `None` if the quantity is constant or the residual is zero.
-    fn explained(&self, joint: usize, quantity: &dyn Fn(usize, usize) -> f64) -> Option<(f64, f64)> {
+    pub(super) fn explained(
+        &self,
+        joint: usize,
+        quantity: &dyn Fn(usize, usize) -> f64,
+    ) -> Option<(f64, f64)> {
         let mut sums = [0.0; 6];
         for (run, i) in self.forces.moving(self.task.layout, self.task.runs, joint) {
             let (x, r) = (quantity(run, i), self.forces.residual[run][joint][i]);

@@ -1,5 +1,6 @@
 //! Comparison of the rigid-body forces in the efforts with the forces of the described bodies. No body is estimated.
 
+use super::super::numeric::statistics::largest;
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
@@ -19,7 +20,8 @@ pub(crate) fn described_ratio(robot: &dyn Robot, runs: &[PreparedRun]) -> Option
     }
     let exact = rows_of(&robot.quaternion_joints(), joints);
     let mut sums = vec![DMatrix::zeros(COLUMNS + 1, COLUMNS + 1); joints];
-    let fastest: Vec<f64> = (0..joints).map(|joint| fastest(runs, joint)).collect();
+    let fastest: Vec<f64> =
+        (0..joints).map(|joint| largest(runs.iter().flat_map(|run| &run.velocities[joint]))).collect();
     for run in runs {
         add(robot, run, &fastest, &mut sums);
     }
@@ -27,10 +29,6 @@ pub(crate) fn described_ratio(robot: &dyn Robot, runs: &[PreparedRun]) -> Option
         (0..joints).map(|j| !exact[j] && fastest[j] > 0.0 && is_finite(&sums[j])).collect();
     let sizes: Vec<Sizes> = sums.iter().map(sizes).collect();
     common_ratio(robot, effort, &known, &sizes)
-}
-
-fn fastest(runs: &[PreparedRun], joint: usize) -> f64 {
-    runs.iter().flat_map(|run| &run.velocities[joint]).fold(0.0, |most: f64, v| most.max(v.abs()))
 }
 
 fn is_finite(sums: &DMatrix<f64>) -> bool {
@@ -42,8 +40,7 @@ fn add(robot: &dyn Robot, run: &PreparedRun, fastest: &[f64], sums: &mut [DMatri
     let matrix = robot.input_matrix();
     let mut forces = vec![0.0; sums.len()];
     for i in 0..run.times.len() {
-        let [y, v, a] = [run.coordinates(), &run.velocities, &run.accelerations]
-            .map(|columns| columns.iter().map(|column| column[i]).collect::<Vec<f64>>());
+        let [y, v, a] = run.state(i);
         robot.rigid_forces(&y, &v, &a, &mut forces);
         for (joint, sums) in sums.iter_mut().enumerate().filter(|(joint, _)| !run.rests(*joint, i)) {
             let share = if fastest[joint] > 0.0 { v[joint] / fastest[joint] } else { 0.0 };

@@ -8,7 +8,6 @@ use super::choice::{Chosen, Freedom, choose};
 use super::delays::FirstFit;
 use super::estimated::{Estimated, is_doubted, is_unexplained, require_explained, unexplained};
 use super::fit::HeldOut;
-use super::hypotheses::{is_driving, is_refusal};
 use super::intervals::{Fitted, correlation_time, covariance, offset_errors, scores};
 use super::joint_prior::JointPrior;
 use super::layout::Layout;
@@ -20,9 +19,10 @@ use super::report::Report;
 use super::residuals::{Forces, RunOffsets, huber, residual, robust_deviations};
 use super::result::{Estimate, Gravity, Offsets};
 use super::settings::EstimationSettings;
+use super::signs::is_driving;
 use super::sums::{Sums, Weights, cut, moving, resting, sum};
 use super::task::Task;
-use super::trial::Case;
+use super::trial::{Case, is_refusal};
 use gelenk_findings::{Finding, Rule, Subject};
 use nalgebra::DVector;
 
@@ -218,7 +218,8 @@ fn pass(
         drop(chosen);
         robust = sums;
     }
-    let prior = prior.clone().with_times(&times);
+    let mut prior = prior.clone();
+    prior.joints.iter_mut().zip(&times).for_each(|(joint, time)| joint.time = *time);
     let task = Task { prior: &prior, ..task };
     let chosen = task.choose(&robust)?;
     let widths = layout.steepness.iter().zip(&chosen.model.coulomb);

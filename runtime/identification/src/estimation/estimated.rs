@@ -8,7 +8,6 @@ use super::super::methods::library::smooth_sign;
 use super::super::robot::Robot;
 use super::choice::Chosen;
 use super::fit::Solved;
-use super::hypotheses::is_refusal;
 use super::intervals::Covariance;
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
 use super::normal::residual_vector;
@@ -16,7 +15,8 @@ use super::prior::Prior;
 use super::result::{Estimate, EstimatedTerm, Gravity, JointEstimate, Offsets, Uncertain};
 use super::sensitivity::{JointSensitivity, Sensitivity};
 use super::settings::EstimationSettings;
-use gelenk_findings::digits::plain;
+use super::trial::is_refusal;
+use gelenk_findings::digits::{plain, with_error};
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector};
 
@@ -38,10 +38,10 @@ const DELAYS: Rule = Rule::note("delays-estimated");
 /// Fixture: `good` in `codegen/tests/findings/arm.rs`.
 const WEIGHT: Rule = Rule::note("description-weight");
 
-/// Sees: a body for which a smaller weight of its description lowers the held-out error by more than the standard error.
-/// Matters: the data may change this body more than the other bodies.
-/// Example: a link of a published model, with measured efforts.
-/// Fixture: `halves` in `codegen/tests/findings/shared.rs`.
+/// Sees: a body whose described parameters have a smaller weight, and an interval that does not contain a described value.
+/// Matters: the description of this body is probably wrong.
+/// Example: a link that is 12 % heavier than described.
+/// Fixture: `merge` in `codegen/tests/findings/arm.rs`.
 const CONTRADICTED: Rule = Rule::note("body-contradicted");
 
 /// Sees: a motor constant whose interval is wider than a factor of 2.
@@ -201,14 +201,26 @@ impl Estimated<'_> {
         self.layout.delays.iter().map(|number| self.delay(*number)).collect()
     }
 
-    /// Relative decrease of the held-out error of the last fit by the smaller weight of a body's description; `None` if the
-    /// weight does not lower the error by more than the standard error.
-    fn fall_by_doubt(&self, body: usize) -> Option<f64> {
-        let own = self.chosen.held_out(self.prior).ok()?;
-        let mut trusted = self.chosen.over(self.chosen.centred.sums);
-        trusted.weighting.trust[body * PER_BODY..][..PER_BODY].fill(1.0);
-        let trusted = trusted.held_out(self.prior).ok()?;
-        own.is_exceeded_by(&trusted).then(|| 1.0 - own.total() / trusted.total())
+    /// The finding about the parameter of a body whose described value is farthest outside its interval; `None` if the
+    /// intervals contain all described values of the body.
+    fn contradicted(&self, names: &[String], body: usize) -> Option<Finding> {
+        let of = |i: usize| {
+            let described = self.prior.described[i];
+            let Uncertain { value, interval: [low, high], .. } = self.uncertain(i, described);
+            let half = 0.5 * (high - low);
+            ((value - described).abs() / half, i, [value, half, described])
+        };
+        let all = (body * PER_BODY..(body + 1) * PER_BODY).map(of).filter(|(ratio, ..)| *ratio > 1.0);
+        let (_, i, numbers) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let [value, half, described] = numbers;
+        let message = format!(
+            "the estimate {} of `{}` contradicts the described {}, so the description of this body has a smaller weight than the \
+             descriptions of other bodies",
+            with_error(value, Some(half)),
+            names[i],
+            plain(described, 3)
+        );
+        Some(CONTRADICTED.found(message).with("estimate", value, "").with("described", described, ""))
     }
 
     /// Findings about the weight of the description, the bodies whose descriptions have a smaller weight, and the delays.
@@ -223,16 +235,7 @@ impl Estimated<'_> {
         );
         let trust = &self.chosen.weighting.trust;
         let doubted = self.prior.bodies.iter().filter(move |body| trust[*body * PER_BODY] < 1.0);
-        let doubted = doubted.filter_map(move |body| {
-            let percent = 100.0 * self.fall_by_doubt(*body)?;
-            let body = names[body * PER_BODY].trim_start_matches("m_");
-            let message = format!(
-                "the description of body {body} contradicts the data, so it has a smaller weight than those of other bodies. This \
-                 lowers the error on held-out data by {} %",
-                plain(percent, 2)
-            );
-            Some(CONTRADICTED.found(message).with("fall of the error", percent, "%"))
-        });
+        let doubted = doubted.filter_map(move |body| self.contradicted(&names, *body));
         std::iter::once(WEIGHT.found(weight)).chain(doubted).chain(self.delays_found())
     }
 

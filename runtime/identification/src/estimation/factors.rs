@@ -8,7 +8,7 @@ use super::super::error::Result;
 use super::super::run::Effort;
 use super::fit::HeldOut;
 use super::levels;
-use super::trial::{Bodies, Case, Change};
+use super::trial::{Bodies, Case, Change, Hypothesis};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 
@@ -16,7 +16,14 @@ use gelenk_findings::{Finding, Rule};
 /// Matters: masses and friction of this joint would be wrong by the factor.
 /// Example: one sensor in another unit.
 /// Fixture: `factor` in `codegen/tests/findings/arm.rs`.
-pub(super) const OTHER_FACTOR: Rule = Rule::error("other-factor");
+const FACTOR: Rule = Rule::error("other-factor");
+
+pub(super) const OTHER_FACTOR: Hypothesis = Hypothesis {
+    when: |case, doubts| doubts.is_empty() && case.too_short().is_none(),
+    bodies: Bodies::Unbounded,
+    accepts: explains,
+    ..Hypothesis::of(FACTOR, factors, finding)
+};
 
 /// Factors that are tried first.
 const TRIED: [f64; 12] = [0.05, 0.1, 0.2, 0.33, 0.5, 0.7, 1.4, 2.0, 3.0, 5.0, 10.0, 20.0];
@@ -26,13 +33,13 @@ const FINE: f64 = 1.05;
 const STEPS: i32 = 8;
 
 /// Whether the fit explains the effort of every joint sufficiently.
-pub(super) fn explains(case: &Case, errors: &HeldOut) -> bool {
+fn explains(case: &Case, errors: &HeldOut) -> bool {
     let r_squared = case.chosen.centred_r_squared(&errors.rss);
     case.layout().rubbing().all(|joint| r_squared[joint] >= levels::POOR.get())
 }
 
 /// For each joint, the factor of its effort with the least held-out error, if this factor lowers the error noticeably.
-pub(super) fn factors(case: &Case) -> Result<Vec<Change>> {
+fn factors(case: &Case) -> Result<Vec<Change>> {
     let mut found = Vec::new();
     if case.layout().known_gains.contains(&false) {
         return Ok(found);
@@ -60,7 +67,7 @@ fn best(case: &Case, joint: usize, factors: impl Iterator<Item = f64>) -> Result
     Ok(best)
 }
 
-pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
+fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
     let Change::Factor(_, factor) = change else { return Ok(None) };
     let shown = plain(*factor, 2);
     let (sources, example) = match case.layout().effort {

@@ -5,7 +5,7 @@ use super::super::methods::offset::mean;
 use super::consistent::bounded;
 use super::layout::Layout;
 use super::levels;
-use super::normal::{Centred, Model, Values, assemble, regularized, solve};
+use super::normal::{Centred, Factor, Model, Values, assemble, regularized};
 use super::prior::Prior;
 use nalgebra::{DMatrix, DVector};
 
@@ -79,8 +79,9 @@ impl HeldOut {
             [] => -excess / self.total(),
             _ => mean(&joints.iter().map(|j| 1.0 - other.rss[*j] / self.rss[*j]).collect::<Vec<_>>()),
         };
-        (share > levels::CLEARLY.get() && -excess > 2.0 * deviation && !self.is_harmed_by(other))
-            .then_some(share)
+        let is_harmed = |(own, other): (&f64, &f64)| *other > (1.0 + levels::CLEARLY.get()) * own;
+        let harms = self.rss.iter().zip(&other.rss).any(is_harmed);
+        (share > levels::CLEARLY.get() && -excess > 2.0 * deviation && !harms).then_some(share)
     }
 
     /// Whether the error `other` is larger than this error by more than the standard error of the difference.
@@ -89,13 +90,7 @@ impl HeldOut {
         excess > deviation
     }
 
-    /// Whether the error of a joint is larger in `other`, by more than the share [`levels::CLEARLY`].
-    pub(super) fn is_harmed_by(&self, other: &Self) -> bool {
-        self.rss.iter().zip(&other.rss).any(|(own, other)| *other > (1.0 + levels::CLEARLY.get()) * own)
-    }
-
-    /// Sum over the folds of the held-out error of `self` minus that of `other`, and the standard error of
-    /// this sum.
+    /// Sum over the folds of the differences of the scores from `other`, and the standard error of this sum.
     pub(super) fn excess(&self, other: &Self) -> (f64, f64) {
         let differences: Vec<f64> = self.scores.iter().zip(&other.scores).map(|(a, b)| a - b).collect();
         let n = differences.len() as f64;
@@ -174,7 +169,7 @@ pub(super) fn fit(
     let regularized = regularized(&normal, &metric);
     let linear = normal.linear + stiffness.component_mul(&known.mean);
     let right = DMatrix::from_column_slice(active.len(), 1, linear.as_slice());
-    let mut x = solve(&regularized, &right)?.column(0).into_owned();
+    let mut x = Factor::new(&regularized)?.solve(&right).column(0).into_owned();
     if model.consistent {
         x = bounded(layout, prior, &active, &regularized, &linear, &x)?;
     }

@@ -21,7 +21,6 @@ use super::super::error::{IdentificationError, Result};
 use super::super::methods::margin::LEAST_SHARE;
 use super::super::numeric::spectrum::symmetric_eigen;
 use super::fit::deviations;
-use super::joint_prior::JointPrior;
 use super::layout::{ARMATURE, ASYMMETRY, Layout, VISCOUS};
 use super::levels;
 use super::normal::{Centred, Factor, RIDGE, Values};
@@ -222,7 +221,7 @@ impl<'a> Equations<'a> {
         let bodies = active.iter().take_while(|&&global| global < layout.parameters).count();
         let metric = DMatrix::from_fn(bodies, bodies, |i, k| metric[(active[i], active[k])]);
         let times =
-            (0..layout.joints).map(|joint| prior.joints.get(joint).map_or(1.0, JointPrior::time)).collect();
+            (0..layout.joints).map(|joint| prior.joints.get(joint).map_or(1.0, |prior| prior.time)).collect();
         let first = projections.iter().map(|projection| projection.gain).collect();
         Ok(Self { centred, all, without, times, joints, first, precision, active, bodies, metric })
     }

@@ -13,7 +13,6 @@ use super::super::run::PreparedRun;
 use super::choice::Chosen;
 use super::cosines;
 use super::fit::{Solved, force_weights};
-use super::joint_prior::JointPrior;
 use super::layout::Layout;
 use super::levels;
 use super::normal::{Centred, Factor, residual_vector, selection};
@@ -164,7 +163,7 @@ pub(super) fn described(of: &Fitted, prior: &Prior, spread: f64) -> DMatrix<f64>
         for (_, mean) in of.chosen.centred.means(joint) {
             let mut score = DVector::zeros(n);
             add(&mut score, (layout, joint, of.solved.values.gains[joint]), &place, &mean);
-            sum.ger(known.offset_score(of.chosen.centred.zeros[joint] * weights[joint]), &score, &score, 1.0);
+            sum.ger(of.chosen.centred.zeros[joint] * weights[joint] * known.time, &score, &score, 1.0);
         }
     }
     sum
@@ -174,7 +173,7 @@ pub(super) fn described(of: &Fitted, prior: &Prior, spread: f64) -> DMatrix<f64>
 pub(super) fn offset_errors(of: &Fitted, prior: &Prior, covariance: &Covariance, joint: usize) -> Vec<f64> {
     let (layout, solved) = (of.chosen.centred.layout, of.solved);
     let weight = force_weights(&of.chosen.weighting, &of.solved.values.gains)[joint];
-    let time = prior.joints.get(joint).map_or(1.0, JointPrior::time);
+    let time = prior.joints.get(joint).map_or(1.0, |prior| prior.time);
     let mut place = vec![None; layout.len()];
     solved.active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
     let error = |(samples, mean): (f64, DVector<f64>)| {

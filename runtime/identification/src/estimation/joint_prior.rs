@@ -21,7 +21,7 @@ pub(super) struct JointPrior {
     /// Standard deviation of an offset [N·m or N].
     offset: f64,
     /// Number of correlated samples that count as one independent sample.
-    time: f64,
+    pub(super) time: f64,
 }
 
 impl JointPrior {
@@ -43,13 +43,6 @@ impl JointPrior {
             }
         };
         (0..layout.joints).map(of_joint).collect()
-    }
-
-    /// Sets the correlation time of the residuals.
-    ///
-    /// - `time`: correlation time [samples]
-    pub(super) fn with_time(self, time: f64) -> Self {
-        Self { time, ..self }
     }
 
     /// Described factor of a term and the inverse of its variance; zeros if nothing is known of the term.
@@ -82,17 +75,6 @@ impl JointPrior {
     pub(super) fn fewer(samples: f64) -> f64 {
         samples / levels::LARGER_OFFSET.get().powi(2)
     }
-
-    /// Variance of the score (the gradient of the objective) that is due to the uncertainty of an offset.
-    ///
-    /// - `weight`: product of [`Self::samples_of_offset`] and the weight 1/σ² of a sample
-    pub(super) fn offset_score(&self, weight: f64) -> f64 {
-        weight * self.time
-    }
-
-    pub(super) fn time(&self) -> f64 {
-        self.time
-    }
 }
 
 /// Largest force that was measured at a joint; zero if the effort is a current with an unknown gain.
@@ -100,11 +82,10 @@ fn largest(layout: &Layout, runs: &[PreparedRun], joint: usize) -> f64 {
     if !layout.known_gains[joint] || !layout.measured[joint] {
         return 0.0;
     }
-    let of_sample = |run: &PreparedRun, i: usize| -> f64 {
-        layout.acting(joint).map(|(effort, factor)| factor * run.efforts[effort][i]).sum()
+    let of_run = |run: &PreparedRun| {
+        let forces = (0..run.times.len()).map(|i| run.force(&layout.input_matrix, joint, i).abs());
+        forces.fold(0.0, f64::max)
     };
-    let of_run =
-        |run: &PreparedRun| (0..run.times.len()).fold(0.0, |most: f64, i| most.max(of_sample(run, i).abs()));
     runs.iter().map(of_run).fold(0.0, f64::max)
 }
 

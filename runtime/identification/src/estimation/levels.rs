@@ -10,9 +10,6 @@ levels! {
     /// Share of the longer run's length that the shorter run must have to be the same motion.
     COVERED: f64 = 0.8;
 
-    /// Number of samples at which the positions of two runs are compared.
-    COMPARED_SAMPLES: usize = 400;
-
     /// Travel below which a joint is at rest [rad or m]. For a shaft it is multiplied by the gear ratio.
     STANDSTILL: f64 = 1e-3;
 
@@ -113,10 +110,6 @@ levels! {
 
     /// Smallest described force of a joint that carries the robot, as a share of the largest described force of all joints.
     CARRIES: f64 = 0.1;
-
-    /// Largest ratio between the estimated factor and the factor of a unit at which a finding names this unit. The limit is
-    /// wide because described masses are inaccurate.
-    GUESS: f64 = 2.5;
 
     /// Slope of smoothed Coulomb friction, `tanh(slope · speed)`, with the speed as a share of the joint's largest speed.
     STEEPNESS: f64 = 30.0;

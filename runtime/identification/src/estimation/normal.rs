@@ -227,7 +227,7 @@ impl Normal {
         let column =
             |(k, &global): (usize, &usize)| place[global].map(|i| (k, i, layout.scale(global, gain)));
         let chosen: Vec<(usize, usize, f64)> = local.iter().enumerate().filter_map(column).collect();
-        let target = products * target_vector(local.len(), gain);
+        let target = products.column(local.len() + 1) * gain - products.column(local.len());
         for &(k, i, scale) in &chosen {
             self.linear[i] += weight * scale * target[k];
             for &(l, m, other) in &chosen {
@@ -246,13 +246,6 @@ pub(super) fn selection((layout, joint, gain): (&Layout, usize, f64), active: &[
         }
     }
     selection
-}
-
-fn target_vector(unknowns: usize, gain: f64) -> DVector<f64> {
-    let mut t = DVector::zeros(unknowns + 2);
-    t[unknowns] = -1.0;
-    t[unknowns + 1] = gain;
-    t
 }
 
 /// The rigid-body force for given values, as factors of the joint's columns.
@@ -289,14 +282,6 @@ pub(super) fn with_ridge(mut normal: DMatrix<f64>) -> DMatrix<f64> {
 
 /// Largest sum of products that data in sensible units can have.
 const LARGEST_SUM: f64 = 1e150;
-
-/// Solves `A x = b` for symmetric positive definite A, scaled to a unit diagonal.
-///
-/// # Errors
-/// The errors are those of [`Factor::new`].
-pub(super) fn solve(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>> {
-    Ok(Factor::new(a)?.solve(b))
-}
 
 /// The factorization `A = D L Lᵀ D` of a symmetric positive definite matrix, with a unit diagonal of `L Lᵀ`.
 pub(super) struct Factor {

@@ -3,17 +3,31 @@
 use super::super::error::Result;
 use super::super::run::Effort;
 use super::checks::Checked;
-use super::trial::{Case, Change};
+use super::trial::{Bodies, Case, Change, Hypothesis};
+use super::unit::CommonRatio;
 use gelenk_findings::{Finding, Rule, Subject};
 
 /// Sees: columns that fit better in another order of the joints.
 /// Matters: every joint would get the friction law and the body of another joint.
 /// Example: columns in alphabetical order, as ROS writes them.
 /// Fixture: `alphabetic` and `pan_lift` in `codegen/tests/findings/arm.rs`.
-pub(super) const ORDER: Rule = Rule::error("other-order");
+const ORDER: Rule = Rule::error("other-order");
+
+pub(super) const OTHER_ORDER: Hypothesis = Hypothesis {
+    when: |case, doubts| (!doubts.is_empty() || has_other_unit(case)) && case.too_short().is_none(),
+    bodies: Bodies::Described,
+    is_alone: true,
+    ..Hypothesis::of(ORDER, orders, finding)
+};
+
+/// Whether the estimated rigid-body forces of a joint or of the robot are several times the described forces, or a fraction
+/// of the described forces.
+fn has_other_unit(case: &Case) -> bool {
+    case.ratio.is_some_and(CommonRatio::is_other) || case.checked.is_some_and(Checked::has_other_unit)
+}
 
 /// Orders that are tried. Joint j has the columns of joint `order[j]`.
-pub(super) fn orders(case: &Case) -> Result<Vec<Change>> {
+fn orders(case: &Case) -> Result<Vec<Change>> {
     let Some(Checked { task, .. }) = case.checked else { return Ok(Vec::new()) };
     let (names, units, layout) = (task.robot.joint_names(), task.robot.position_units(), task.layout);
     let count = names.len();
@@ -39,7 +53,7 @@ pub(super) fn orders(case: &Case) -> Result<Vec<Change>> {
     Ok(orders.map(Change::Order).collect())
 }
 
-pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
+fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
     let Change::Order(order) = change else { return Ok(None) };
     let names = case.robot.joint_names();
     let moved = (0..order.len()).filter(|j| order[*j] != *j);

@@ -46,13 +46,6 @@ impl Prior {
         Self { metric, described, held, bodies, size, joints }
     }
 
-    /// Sets the correlation time of each joint's residuals in the prior.
-    pub(super) fn with_times(mut self, times: &[f64]) -> Self {
-        let joints = self.joints.into_iter().zip(times);
-        self.joints = joints.map(|(joint, time)| joint.with_time(*time)).collect();
-        self
-    }
-
     /// Prior of the friction terms among the active unknowns.
     pub(super) fn friction(&self, layout: &Layout, model: &Model, active: &[usize]) -> Gaussian {
         let zero = DVector::zeros(active.len());
@@ -63,7 +56,7 @@ impl Prior {
             let [mean, precision] = prior.term(term, model.coulomb[joint]);
             found.mean[place] = mean;
             found.precision[place] = precision;
-            found.time[place] = prior.time();
+            found.time[place] = prior.time;
         }
         found
     }

@@ -94,20 +94,14 @@ impl<'a> Rows<'a> {
     pub(super) fn evaluate(&mut self, (number, run): (usize, &PreparedRun), rows: Range<usize>) {
         let n = self.layout.joints;
         self.count = rows.len();
-        let coordinates = run.coordinates();
-        let mut y = vec![0.0; coordinates.len()];
-        let (mut v, mut a, mut rigid) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        let mut rigid = vec![0.0; n];
         self.friction(run, &rows);
         for (joint, moving) in self.moving.iter_mut().enumerate() {
             let rests = |sample: usize| self.layout.moves[joint] && run.rests(joint, sample);
             *moving = rows.clone().map(|sample| if rests(sample) { 0.0 } else { 1.0 }).collect();
         }
         for (place, sample) in rows.enumerate() {
-            y.iter_mut().zip(coordinates).for_each(|(y, column)| *y = column[sample]);
-            for j in 0..n {
-                v[j] = run.velocities[j][sample];
-                a[j] = run.accelerations[j][sample];
-            }
+            let [y, v, a] = run.state(sample);
             self.rigid_body(&y, &v, &a, &mut rigid);
             for j in (0..n).filter(|&j| self.layout.measured[j]) {
                 self.write(

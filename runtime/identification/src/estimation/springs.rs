@@ -4,7 +4,7 @@
 use super::super::error::Result;
 use super::checks::Checked;
 use super::task::Task;
-use super::trial::{Case, Change};
+use super::trial::{Bodies, Case, Change, Hypothesis, is_refusal};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule, Subject};
 
@@ -12,10 +12,17 @@ use gelenk_findings::{Finding, Rule, Subject};
 /// Matters: a spring that the description lacks causes errors of bodies and friction.
 /// Example: a cable that the joint winds up.
 /// Fixture: `spring` in `codegen/tests/findings/arm.rs`.
-pub(super) const SPRING: Rule = Rule::warning("spring");
+const SPRING: Rule = Rule::warning("spring");
+
+pub(super) const OTHER_STIFFNESS: Hypothesis = Hypothesis {
+    when: |case, doubts| !doubts.iter().any(is_refusal) && case.too_short().is_none(),
+    bodies: Bodies::Unbounded,
+    is_alone: true,
+    ..Hypothesis::of(SPRING, springs, finding)
+};
 
 /// For each joint, the change by a spring of unknown stiffness. Rows of joints with quaternions and of shafts have no spring.
-pub(super) fn springs(case: &Case) -> Result<Vec<Change>> {
+fn springs(case: &Case) -> Result<Vec<Change>> {
     let layout = case.layout();
     let is_possible = !layout.exact.contains(&true) && !layout.known_gains.contains(&false);
     let is_joint = |joint: &usize| matches!(case.robot.subject(*joint), Subject::Joint(_)) && is_possible;
@@ -40,7 +47,7 @@ fn described_stiffness(task: &Task, joint: usize) -> f64 {
     (force(STEP) - force(-STEP)) / (2.0 * STEP)
 }
 
-pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
+fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
     let (Change::Spring(joint), Some(Checked { task, .. }), Some(data)) =
         (change, case.checked, case.data(change)?)
     else {

@@ -114,10 +114,9 @@ fn is_repeat(one: &PreparedRun, other: &PreparedRun) -> bool {
     if (fewest as f64) < levels::COVERED.get() * most as f64 {
         return false;
     }
-    let stride = fewest.div_ceil(levels::COMPARED_SAMPLES.get()).max(1);
     let (mut apart, mut way) = (0.0, 0.0);
     for (a, b) in one.positions.iter().zip(&other.positions) {
-        for i in (0..fewest).step_by(stride) {
+        for i in 0..fewest {
             apart += (a[i] - b[i]).powi(2);
             way += (a[i] - a[0]).powi(2);
         }

@@ -33,11 +33,8 @@ pub(super) struct Task<'a> {
 
 impl Task<'_> {
     pub(super) fn rows(&self) -> Rows<'_> {
-        self.rows_where(self.gravity)
-    }
-
-    pub(super) fn rows_where(&self, gravity: Gravity) -> Rows<'_> {
-        let rows = Rows::new(self.robot, self.layout, gravity, self.settings.filter.as_ref(), self.loads);
+        let rows =
+            Rows::new(self.robot, self.layout, self.gravity, self.settings.filter.as_ref(), self.loads);
         rows.with_rates(self.first_fit.map(|fit| fit.rates.as_slice())).with_more(self.more)
     }
 

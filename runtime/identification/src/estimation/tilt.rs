@@ -16,7 +16,7 @@ use super::normal::Factor;
 use super::result::Gravity;
 use super::sums::moving;
 use super::task::Task;
-use super::trial::{Case, Change, at_rest};
+use super::trial::{Case, Change, Hypothesis, at_rest};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -29,13 +29,15 @@ const PASSES: usize = 10;
 /// Matters: the tilt causes errors of the bodies.
 /// Example: a robot on a wedge of 5°.
 /// Fixture: `tilted` in `codegen/tests/findings/arm.rs`.
-pub(super) const TILT: Rule = Rule::warning("tilted-gravity");
+const TILT: Rule = Rule::warning("tilted-gravity");
+
+pub(super) const TILTED: Hypothesis = Hypothesis::of(TILT, tilts, finding);
 
 /// The direction of gravity that the data determine; empty if the described direction is not doubted, or if the equations
 /// have no solution.
-pub(super) fn tilts(case: &Case) -> Vec<Change> {
+fn tilts(case: &Case) -> Result<Vec<Change>> {
     let found = case.checked.and_then(|checked| tilt(checked.task, case.chosen).ok().flatten());
-    found.into_iter().collect()
+    Ok(found.into_iter().collect())
 }
 
 /// Direction of gravity that the data determine; `None` if it agrees with the described direction or cannot be estimated.
@@ -163,7 +165,7 @@ fn seen(variance: DMatrix<f64>) -> DMatrix<f64> {
     eigen.eigenvectors.select_columns(&observable)
 }
 
-pub(super) fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
+fn finding(case: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>> {
     let (Change::Tilt(found), Some(described)) = (change, case.robot.gravity()) else {
         return Ok(None);
     };

@@ -18,7 +18,7 @@ use super::result::Gravity;
 use super::sums::{Sums, moving};
 use super::task::Task;
 use super::unit::CommonRatio;
-use gelenk_findings::{Finding, Rule, Subject};
+use gelenk_findings::{Finding, Rule, Severity, Subject};
 use nalgebra::Vector3;
 use std::cell::OnceCell;
 use std::rc::Rc;
@@ -140,6 +140,32 @@ pub(super) struct Hypothesis {
     pub(super) finding: fn(&Case, &Change, &Rule) -> Result<Option<Finding>>,
 }
 
+impl Hypothesis {
+    /// The hypothesis with the entries that most rows have.
+    pub(super) const fn of(
+        rule: Rule,
+        changes: fn(&Case) -> Result<Vec<Change>>,
+        finding: fn(&Case, &Change, &Rule) -> Result<Option<Finding>>,
+    ) -> Self {
+        Self {
+            rule,
+            when: |_, _| true,
+            changes,
+            bodies: Bodies::Fitted,
+            rival: |_| None,
+            accepts: |_, _| true,
+            each: false,
+            is_alone: false,
+            finding,
+        }
+    }
+}
+
+/// Whether a finding refuses the fit of its joint or of the whole robot.
+pub(super) fn is_refusal(doubt: &Finding) -> bool {
+    doubt.severity == Severity::Error
+}
+
 /// Columns, prior and sums of a changed log or description.
 pub(super) struct Data {
     pub(super) layout: Layout,
@@ -255,8 +281,12 @@ impl<'a> Case<'a> {
             Change::Factor(..) | Change::Unit(_) => None,
             Change::Gravity(gravity) => of(Task { gravity: *gravity, ..task.clone() }),
             Change::Tilt(gravity) => {
-                let more =
-                    |y: &[f64], regressor: &mut [f64]| turned_weights(task.robot, *gravity, y, regressor);
+                // The gravity part under this gravity minus the part under the described gravity.
+                let turned = gravity - task.robot.gravity().map_or(*gravity, Vector3::from);
+                let more = |y: &[f64], regressor: &mut [f64]| {
+                    let turned = at_rest(task.robot, y, task.layout.joints, turned);
+                    regressor.iter_mut().zip(turned).for_each(|(entry, turned)| *entry += turned);
+                };
                 Some(Rc::new(task.with_more((0, &more), Data::of)))
             }
             Change::Order(order) => {
@@ -307,11 +337,4 @@ pub(super) fn at_rest(robot: &dyn Robot, y: &[f64], joints: usize, gravity: Vect
         robot.regressor_at_rest(y, gravity.into(), &mut regressor);
     }
     regressor
-}
-
-/// Adds to the regressor its gravity part under another gravity minus its gravity part under the described gravity.
-fn turned_weights(robot: &dyn Robot, gravity: Vector3<f64>, y: &[f64], regressor: &mut [f64]) {
-    let (joints, described) = (robot.joint_names().len(), robot.gravity().map_or(gravity, Vector3::from));
-    let turned = at_rest(robot, y, joints, gravity - described);
-    regressor.iter_mut().zip(turned).for_each(|(entry, turned)| *entry += turned);
 }

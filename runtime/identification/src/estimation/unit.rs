@@ -5,7 +5,6 @@
 //! that carry the robot decide about the unit.
 
 use super::super::error::{IdentificationError, Result};
-use super::super::log::unit_value;
 use super::super::robot::Robot;
 use super::super::run::Effort;
 use super::levels;
@@ -32,7 +31,7 @@ pub(super) type Sizes = [f64; 3];
 /// The median ratio of estimated to described rigid-body forces over the revolute joints, or over the prismatic joints.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CommonRatio {
-    factor: f64,
+    pub(super) factor: f64,
     /// Names of the joints over which the median is taken.
     joints: Vec<String>,
     /// Unit of the joints' positions, rad or m.
@@ -99,11 +98,6 @@ impl CommonRatio {
         Err(IdentificationError::Found { findings: vec![finding] })
     }
 
-    /// Ratio of estimated to described forces.
-    pub(super) fn factor(&self) -> f64 {
-        self.factor
-    }
-
     /// Whether the efforts may be in another unit.
     pub(super) fn is_other(&self) -> bool {
         !self.is_within(levels::OTHER_UNIT.get())
@@ -113,14 +107,9 @@ impl CommonRatio {
         (1.0 / factor..=factor).contains(&self.factor)
     }
 
-    /// Units in which the estimated forces would be near the described ones.
-    pub(super) fn units(&self) -> Vec<&'static str> {
-        let units = if self.unit == "m" || self.effort == Effort::Current { &[][..] } else { &UNITS[..] };
-        let is_near = |name: &&&str| {
-            let factor = self.factor * unit_value(name).unwrap_or(1.0);
-            factor.max(1.0 / factor) < levels::GUESS.get()
-        };
-        units.iter().filter(is_near).copied().collect()
+    /// Units that are tried.
+    pub(super) fn units(&self) -> &'static [&'static str] {
+        if self.unit == "m" || self.effort == Effort::Current { &[] } else { &UNITS }
     }
 
     /// Finding that the unit of the efforts is probably wrong.

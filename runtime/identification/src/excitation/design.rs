@@ -80,6 +80,7 @@ impl<'a> Design<'a> {
             // Only friction moves this joint.
             _ => 1.0,
         };
+        let turns = chart.turns();
         Self {
             robot,
             // Not all factors of described joint friction can be distinguished from friction of shafts.
@@ -95,13 +96,7 @@ impl<'a> Design<'a> {
             chart,
             limits,
             refusals: Refusals::default(),
-            rubbing: chart
-                .turns()
-                .iter()
-                .enumerate()
-                .filter(|(_, turns)| !**turns)
-                .map(|(row, _)| row)
-                .collect(),
+            rubbing: (0..limits.len()).filter(|row| !turns[*row]).collect(),
             sign_speeds: rows
                 .speeds(&speeds)
                 .into_iter()

@@ -7,6 +7,7 @@ use super::smallest_inputs::{SINGULAR, first_outside, smallest_inputs};
 use super::{ExcitationLimits, Instant};
 use crate::error::{Result, at_joint};
 use crate::numeric::spectrum::svd;
+use crate::numeric::statistics::extremes;
 use crate::pose::QuaternionJoint;
 use crate::robot::Robot;
 use nalgebra::DMatrix;
@@ -75,9 +76,7 @@ impl<'a> FrameInputs<'a> {
         let names = self.robot.input_names().into_iter().zip(self.robot.input_limits()).enumerate();
         let planned = names.map(|(input, (name, limits))| {
             let values = needed.iter().map(|inputs| inputs[input]);
-            let range =
-                values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], u| [low.min(u), high.max(u)]);
-            PlannedInput { name, range, limits }
+            PlannedInput { name, range: extremes(values), limits }
         });
         planned.collect()
     }

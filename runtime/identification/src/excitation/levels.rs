@@ -12,9 +12,6 @@ levels! {
     /// Smallest size of a start motion that is tried, as a share of the size that the limits allow.
     SMALLEST: f64 = 0.1;
 
-    /// Share by which a motion is enlarged in each trial, as long as this lowers its score.
-    LARGER: f64 = 0.1;
-
     /// Smallest usable lever of a cylinder, as a share of its longest lever. Shorter levers are near a dead centre.
     SHORT: f64 = 0.25;
 }

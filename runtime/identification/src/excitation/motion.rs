@@ -1,5 +1,6 @@
 //! Periodic motions as sums of sines and cosines.
 
+use super::super::numeric::statistics::extremes;
 use super::super::robot::Instant;
 use super::ExcitationLimits;
 use std::f64::consts::TAU;
@@ -69,9 +70,7 @@ impl FourierMotion {
         let instants = self.instants(samples);
         for i in 0..limits.len() {
             let largest = |k: usize| instants.iter().map(|x| x[k][i].abs()).fold(0.0, f64::max);
-            let (low, high) = instants
-                .iter()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x[0][i]), b.max(x[0][i])));
+            let [low, high] = extremes(instants.iter().map(|x| x[0][i]));
             let [lowest, highest] = limits[i].position;
             let factor = ((highest - lowest) / (high - low))
                 .min(limits[i].velocity / largest(1))

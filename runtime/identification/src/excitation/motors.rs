@@ -62,7 +62,9 @@ impl<'a> Motors<'a> {
     pub(super) fn of(robot: &'a dyn Robot, share: f64) -> Option<Self> {
         let torques = Torques::of(robot, share);
         let counts = torques.are_limited() && !robot.has_inputs_at_frames();
-        counts.then(|| Self { robot, torques, matrix: SmallestInputs::new(constant_matrix(robot)) })
+        let (joints, inputs) = (robot.joint_names().len(), robot.input_names().len());
+        let matrix = || SmallestInputs::new(DMatrix::from_row_slice(joints, inputs, &robot.input_matrix()));
+        counts.then(|| Self { robot, torques, matrix: matrix() })
     }
 
     /// Name of the first motor whose limit a motion exceeds; `None` if all limits are kept.
@@ -81,12 +83,6 @@ impl<'a> Motors<'a> {
         self.robot.rigid_forces(y, v, a, &mut forces);
         self.matrix.closest(&DVector::from_vec(forces)).map(|inputs| inputs.as_slice().to_vec())
     }
-}
-
-/// Input matrix B of a robot whose inputs are all drives.
-fn constant_matrix(robot: &dyn Robot) -> DMatrix<f64> {
-    let count = robot.input_names().len();
-    DMatrix::from_row_slice(robot.joint_names().len(), count, &robot.input_matrix())
 }
 
 /// No-load speeds of motors, as limits of weighted sums of the joints' speeds.

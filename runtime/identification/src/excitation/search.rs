@@ -80,8 +80,7 @@ impl Excitation {
         for _ in 0..self.starts {
             let (size, first) = possible(&self.random_motion(limits.len(), &mut random), &mut fitted);
             start = start.min(first.1);
-            let found = self.improve((size, first), limits, &mut random, &mut fitted);
-            let (size, (motion, score)) = grown(size, found, &mut fitted);
+            let (motion, score) = self.improve((size, first), limits, &mut random, &mut fitted);
             if best.as_ref().is_none_or(|b| score < b.score) {
                 best = Some(Best { motion, score, start, size });
             }
@@ -174,23 +173,6 @@ fn possible(motion: &FourierMotion, fitted: &mut impl FnMut(FourierMotion, f64) 
     let smaller = sizes.take_while(|size| first.1 == f64::INFINITY && *size >= levels::SMALLEST.get());
     let mut tried = smaller.map(|size| (size, fitted(motion.clone(), size)));
     tried.find(|(_, (_, score))| *score < f64::INFINITY).unwrap_or((1.0, first))
-}
-
-/// A motion that is enlarged as long as this lowers its score, and its size.
-fn grown(
-    mut size: f64,
-    mut found: Scored,
-    fitted: &mut impl FnMut(FourierMotion, f64) -> Scored,
-) -> (f64, Scored) {
-    while size < 1.0 {
-        let larger = (size / (1.0 - levels::LARGER.get())).min(1.0);
-        let next = fitted(found.0.clone(), larger);
-        if next.1 >= found.1 {
-            break;
-        }
-        (size, found) = (larger, next);
-    }
-    (size, found)
 }
 
 /// Condition number of a regressor whose columns are scaled to unit length, from its Gram matrix; infinite if columns are

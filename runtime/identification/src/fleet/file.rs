@@ -1,11 +1,12 @@
 //! Moments as a file: a line with the version, the values in little-endian order, and the SHA-256 of both.
 
 use super::super::error::{Result, at};
-use super::super::log::hexadecimal;
 use super::super::result::description::may_be_replaced;
 use super::super::run::Effort;
 use super::exact::Exact;
-use super::logs::{About, Doubt, DoubtedLog, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share};
+use super::logs::{
+    About, Doubt, DoubtedLog, Hash, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share,
+};
 use gelenk_files::write_whole;
 use sha2::{Digest, Sha256};
 use std::fs;
@@ -261,13 +262,13 @@ impl Stored for Exact {
     }
 }
 
-/// SHA-256 of the contents of files and of the options for reading them, in hexadecimal. Moments identify their description
+/// SHA-256 of the contents of files and of the options for reading them. Moments identify their description
 /// by this hash. The hash does not depend on paths.
-pub(super) fn hash_of(parts: &[&[u8]]) -> String {
+pub(super) fn hash_of(parts: &[&[u8]]) -> Hash {
     let mut hasher = Sha256::new();
     for part in parts {
         hasher.update((part.len() as u64).to_le_bytes());
         hasher.update(part);
     }
-    hexadecimal(&hasher.finalize())
+    hasher.finalize().into()
 }

@@ -5,9 +5,9 @@ use super::super::error::{IdentificationError, Result, at};
 use super::super::estimation::{
     Columns, Estimate, Gravity, ShareSums, SharedData, SharedEstimate, estimate_shares,
 };
-use super::super::friction::{FrictionData, SharedFriction};
+use super::super::friction::{FrictionData, Setting, SharedFriction};
 use super::super::identify::{Identification, IdentificationSettings, JointFriction, NO_FIT, unless_refused};
-use super::super::log::{Labels, Recording, hexadecimal};
+use super::super::log::{Labels, Recording};
 use super::super::methods::moments::Moments;
 use super::super::methods::subset::seen_both_ways;
 use super::super::preparation::{Filter, PreparationReport};
@@ -100,7 +100,7 @@ impl LogMoments {
     /// # Errors
     /// [`IdentificationError::File`] if the moments belong to another description.
     pub(super) fn require_description(&self, description: &[&[u8]]) -> Result<()> {
-        if hexadecimal(&self.about.description) == hash_of(description) {
+        if self.about.description == hash_of(description) {
             return Ok(());
         }
         Err(fault(
@@ -158,7 +158,7 @@ impl LogMoments {
         let rubs =
             |joint: &usize| found.estimate.joints[*joint].moves && !found.estimate.joints[*joint].exact;
         let moving = (0..found.friction.len()).filter(rubs);
-        let (source, notes) = (self.source(), self.notes());
+        let (source, summary) = (self.source(), self.summary());
         let friction = moving.map(|joint| {
             let of_joint = JointMoments {
                 joint,
@@ -168,7 +168,7 @@ impl LogMoments {
                 factors: &found.friction[joint],
                 gain: found.estimate.joints[joint].gain.map_or(1.0, |gain| gain.value),
             };
-            of_joint.friction(data.robot, settings, &found.estimate, &source, &notes)
+            of_joint.friction(data.robot, settings, &found.estimate, &source, &summary)
         });
         friction.collect()
     }
@@ -185,19 +185,15 @@ impl LogMoments {
         }
     }
 
-    /// Sentence on the number of logs and on their filters.
-    fn notes(&self) -> Vec<String> {
-        let seconds: f64 = self.logs.iter().map(|log| log.seconds).sum();
-        let [narrow, wide] = self.range(&|log| [log.bandwidth; 2]);
-        let filters =
-            if narrow < wide { format!("{narrow:.3} to {wide:.3} Hz") } else { format!("{wide:.3} Hz") };
-        let (logs, samples, shares) = (self.logs.len(), self.samples(), self.shares());
-        let plural = if logs == 1 { "log" } else { "logs" };
-        vec![format!(
-            "moments of {logs} {plural}, {samples} samples, {seconds:.1} s, in {shares} groups for cross-validation, low-pass \
-             filter {filters}. R² is computed with one offset for each run. The values of these offsets cannot be computed from \
-             moments, so they are not reported"
-        )]
+    /// Number, duration and filters of the logs.
+    fn summary(&self) -> Setting {
+        Setting::Moments {
+            logs: self.logs.len(),
+            samples: self.samples(),
+            seconds: self.logs.iter().map(|log| log.seconds).sum(),
+            shares: self.shares(),
+            bandwidths: self.range(&|log| [log.bandwidth; 2]),
+        }
     }
 
     /// Findings about different filters and different delays of the logs.
@@ -231,7 +227,7 @@ impl LogMoments {
         // Signals do not pass this filter, which only has the bandwidth for the report.
         let sample_rate = 10.0 * bandwidth;
         let filter = Filter::new(bandwidth, 1.0 / sample_rate)?;
-        let findings = self.notes().into_iter().map(|note| OF_MOMENTS.found(note)).collect();
+        let findings = vec![OF_MOMENTS.found(self.summary().to_string())];
         Ok(PreparationReport { joints: Vec::new(), delays: Vec::new(), filter, sample_rate, findings })
     }
 
@@ -284,7 +280,7 @@ impl JointMoments<'_> {
         settings: &IdentificationSettings,
         estimate: &Estimate,
         data: &str,
-        notes: &[String],
+        summary: &Setting,
     ) -> JointFriction {
         let of_joint = &estimate.joints[self.joint];
         let (library, left_out) = self.seen();
@@ -294,7 +290,7 @@ impl JointMoments<'_> {
             velocity_unit: if of_joint.unit == "N" { "m/s" } else { "rad/s" },
             limits: robot.limits().get(self.joint).copied(),
             data,
-            settings: &notes.iter().cloned().chain(left_out).collect::<Vec<_>>(),
+            settings: &[Some(summary.clone()), left_out].into_iter().flatten().collect::<Vec<_>>(),
             ..FrictionData::default()
         };
         let lost: f64 = self.shares.iter().map(|share| share.lost[self.joint][0]).sum();
@@ -316,16 +312,17 @@ impl JointMoments<'_> {
         }
     }
 
-    /// The library without asymmetric terms that the logs do not determine, and a sentence on the terms that were left out.
-    fn seen(&self) -> (Vec<(String, usize)>, Option<String>) {
+    /// The library without asymmetric terms that the logs do not determine, and the terms that were left out.
+    fn seen(&self) -> (Vec<(String, usize)>, Option<Setting>) {
         let names: Vec<String> = self.library.iter().map(|(name, _)| name.clone()).collect();
         let [vv, v, tt, t] = self.facts.directions.map(Exact::value);
         let energies = |term: usize| {
             let [all, signed] = if names[term] == "v" { [vv, v] } else { [tt, t] };
             [0.5 * (all + signed), 0.5 * (all - signed)]
         };
-        let (kept, note) = seen_both_ways(&names, energies);
-        (kept.into_iter().map(|term| self.library[term].clone()).collect(), note)
+        let (kept, out) = seen_both_ways(&names, energies);
+        let left_out = (!out.is_empty()).then_some(Setting::OneDirection(out));
+        (kept.into_iter().map(|term| self.library[term].clone()).collect(), left_out)
     }
 
     /// Products of the columns of the terms and of the friction torque.

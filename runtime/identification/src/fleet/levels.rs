@@ -14,7 +14,4 @@ levels! {
 
     /// Difference between the largest and smallest delay of logs above which there is a finding [s].
     OTHER_DELAY: f64 = 2e-3;
-
-    /// Share of the logs below which a doubt about single logs is counted but not reported.
-    RARE: f64 = 0.1;
 }

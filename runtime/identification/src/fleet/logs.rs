@@ -4,7 +4,6 @@ use super::super::error::{IdentificationError, Result, at};
 use super::super::log::hexadecimal;
 use super::super::run::Effort;
 use super::exact::Exact;
-use super::levels;
 use gelenk_findings::{Finding, Rule};
 use std::collections::BTreeMap;
 
@@ -146,7 +145,6 @@ impl LogMoments {
     /// logs have, and one finding with the number of the other doubts.
     pub fn doubts(&self) -> Vec<Finding> {
         let logs = self.logs.len();
-        let is_rare = |doubt: &&Doubt| (doubt.logs as f64) < levels::RARE.get() * logs as f64;
         let finding = |doubt: &Doubt| {
             let DoubtedLog { name, text, .. } = &doubt.first;
             OF_LOGS.found(match logs {
@@ -154,12 +152,7 @@ impl LogMoments {
                 _ => format!("in {} of {logs} logs, for example in {name}: {text}", doubt.logs),
             })
         };
-        let rare = self.doubts.iter().filter(is_rare).count();
-        let rare = (rare > 0).then(|| {
-            let message = format!("{rare} more warnings each concern less than a tenth of the logs");
-            OF_LOGS.found(message).help("`gelenk identify --reduce` prints the warnings of each log")
-        });
-        self.doubts.iter().filter(|doubt| !is_rare(doubt)).map(finding).chain(rare).collect()
+        self.doubts.iter().map(finding).collect()
     }
 
     /// Returns the number of shares (groups of samples) that have samples, at most 16.

@@ -9,6 +9,7 @@ use super::super::identify::{
     IdentificationSettings, beyond_limits, faults, left_of_delays, of_signals, read_and_prepare,
 };
 use super::super::methods::moments::contiguous_blocks;
+use super::super::numeric::statistics::extremes;
 use super::super::preparation::PreparationReport;
 use super::super::robot::{Robot, require_no_driven};
 use super::super::run::{Effort, PreparedRun};
@@ -108,7 +109,7 @@ fn about(
     (effort, columns): (Effort, &Columns),
 ) -> About {
     About {
-        description: from_hexadecimal(&hash_of(description)).unwrap_or_default(),
+        description: hash_of(description),
         effort,
         gravity_compensated: settings.estimation.gravity_compensated,
         bandwidth: settings.preparation.bandwidth,
@@ -118,9 +119,8 @@ fn about(
 }
 
 fn delays(preparation: &PreparationReport) -> [f64; 2] {
-    let removed = || preparation.delays.iter().map(|delay| delay.removed);
-    let extreme = |of: f64| if of.is_finite() { of } else { 0.0 };
-    [removed().fold(f64::INFINITY, f64::min), removed().fold(f64::NEG_INFINITY, f64::max)].map(extreme)
+    let ends = extremes(preparation.delays.iter().map(|delay| delay.removed));
+    ends.map(|end| if end.is_finite() { end } else { 0.0 })
 }
 
 fn is_warning(finding: &Finding) -> bool {
@@ -204,12 +204,12 @@ impl<'a> Fitted<'a> {
             let mut facts =
                 JointFacts { span: 0.0, velocities: [f64::MAX, f64::MIN], directions: [Exact::default(); 4] };
             for run in self.runs {
-                let y = &run.positions[joint];
+                let [low, high] = extremes(run.positions[joint].iter().copied());
                 let samples = stretches(self.estimate, run, joint).into_iter().flatten();
                 let v: Vec<f64> = samples.map(|i| run.velocities[joint][i]).collect();
                 facts.add(&JointFacts {
-                    span: extreme(y)[1] - extreme(y)[0],
-                    velocities: extreme(&v),
+                    span: high - low,
+                    velocities: extremes(v.iter().copied()),
                     directions: directions(&v, scales[joint])?,
                 })?;
             }
@@ -237,11 +237,7 @@ fn weights(residuals: &[f64], deviation: f64, stretches: &[Range<usize>]) -> Vec
     weights
 }
 
-fn extreme(x: &[f64]) -> [f64; 2] {
-    x.iter().fold([f64::MAX, f64::MIN], |[a, b], x| [a.min(*x), b.max(*x)])
-}
-
-/// Σ v², Σ v |v|, Σ t², Σ t |t| of the velocities v, with t = tanh 20 v, for speeds in units of `scale`.
+/// Σ v², Σ v |v|, Σ t², Σ t |t| with t = tanh 20 v, for speeds in units of `scale`.
 fn directions(velocities: &[f64], scale: f64) -> Result<[Exact; 4]> {
     let mut sums = [0.0; 4];
     for v in velocities.iter().map(|v| v / scale) {
@@ -303,9 +299,6 @@ fn share(sums: &ShareSums) -> Result<Share> {
 }
 
 fn from_hexadecimal(text: &str) -> Option<Hash> {
-    let mut hash = Hash::default();
-    for (i, byte) in hash.iter_mut().enumerate() {
-        *byte = u8::from_str_radix(text.get(2 * i..2 * i + 2)?, 16).ok()?;
-    }
-    (text.len() == 2 * hash.len()).then_some(hash)
+    let byte = |i: usize| u8::from_str_radix(text.get(2 * i..2 * i + 2)?, 16).ok();
+    (0..text.len().div_ceil(2)).map(byte).collect::<Option<Vec<u8>>>()?.try_into().ok()
 }

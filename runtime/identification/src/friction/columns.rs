@@ -3,6 +3,7 @@
 use super::super::error::Result;
 use super::super::methods::filtered::Filtered;
 use super::super::methods::library::Library;
+use super::super::numeric::statistics::largest;
 use super::super::result::FrictionLaw;
 use super::levels;
 use super::task::FrictionData;
@@ -22,7 +23,7 @@ impl FrictionData<'_> {
 
     /// The largest speed of the samples.
     pub(super) fn fastest(&self) -> f64 {
-        self.velocities.iter().fold(0.0_f64, |most, v| most.max(v.abs()))
+        largest(self.velocities)
     }
 
     /// The terms of a library at the samples.

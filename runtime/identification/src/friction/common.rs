@@ -8,9 +8,9 @@
 //! are left out.
 
 use super::super::error::Result;
-use super::super::methods::confidence::quantile;
+use super::super::methods::confidence::{quantile, rescaled};
 use super::super::result::CONFIDENCE;
-use super::errors::{Errors, rescaled};
+use super::errors::Errors;
 use super::task::CommonTerms;
 use nalgebra::{DMatrix, DVector};
 

@@ -11,9 +11,17 @@ use super::super::methods::moments::{Moments, Samples, contiguous_blocks};
 use super::super::methods::offset::{Offset, centre, mean};
 use super::super::methods::subset::seen_both_ways;
 use super::levels;
+use super::settings::Setting;
 use super::task::{FrictionData, FrictionIdentification, Offsets};
+use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
+
+/// Sees: friction terms that cannot be distinguished from an offset.
+/// Matters: these terms are left out of the law.
+/// Example: Coulomb friction of a joint that moves in one direction only.
+/// Fixture: `parameters_that_the_data_do_not_show` in `runtime/tests/identification_bad_input.rs`.
+const HIDDEN: Rule = Rule::warning("terms-hidden");
 
 /// Smallest share of a column's norm that must remain after the means of the runs are subtracted. If the share is smaller,
 /// the column cannot be distinguished from offsets, and six digits of the data would be lost.
@@ -29,10 +37,10 @@ pub(super) struct Design<'a> {
     pub(super) runs: Vec<Range<usize>>,
     pub(super) separate: bool,
     /// Sentences on terms that were left out of the library, with reasons.
-    pub(super) notes: Vec<String>,
+    pub(super) notes: Vec<Setting>,
     /// Sentence on terms that the data do not distinguish from an offset, although friction may have them; `None` if there is
     /// no such term.
-    pub(super) hidden: Option<String>,
+    pub(super) hidden: Option<Finding>,
 }
 
 impl<'a> Design<'a> {
@@ -174,14 +182,14 @@ fn require_independent(
 }
 
 /// The terms of a library that may be part of a law at these velocities, and sentences on the terms that were left out.
-fn seen(library: &Library, offsets: Offsets, velocities: &[f64]) -> Result<(Library, Vec<String>)> {
+fn seen(library: &Library, offsets: Offsets, velocities: &[f64]) -> Result<(Library, Vec<Setting>)> {
     let library = if offsets == Offsets::PartOfLaw { library.clone() } else { without_constants(library)? };
     let matrix = library.matrix(&[velocities])?;
     let energies = |term: usize| {
         let column = matrix.column(term);
         [1.0, -1.0].map(|sign| column.iter().map(|x| (sign * x).max(0.0).powi(2)).sum())
     };
-    let (kept, note) = seen_both_ways(library.terms(), energies);
+    let (kept, out) = seen_both_ways(library.terms(), energies);
     let told_apart = kept.iter().enumerate().filter(|(place, term)| {
         let mut steeper = kept[place + 1..].iter();
         offsets != Offsets::Known
@@ -190,6 +198,7 @@ fn seen(library: &Library, offsets: Offsets, velocities: &[f64]) -> Result<(Libr
             })
     });
     let told_apart: Vec<usize> = told_apart.map(|(_, term)| *term).collect();
+    let note = (!out.is_empty()).then_some(Setting::OneDirection(out));
     Ok((library.only(&told_apart)?, note.into_iter().collect()))
 }
 
@@ -202,7 +211,7 @@ fn are_alike(one: &DVector<f64>, other: &DVector<f64>) -> bool {
 /// The library without terms that act as offsets in these data, and a sentence on the terms that were left out. For example,
 /// `sign(v)` acts as an offset if each run moves in one direction. If all terms act as offsets, the library is returned
 /// unchanged, and the fit refuses it.
-fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Option<String>)> {
+fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Option<Finding>)> {
     let (matrix, runs) = (library.matrix(&[data.velocities])?, runs(data));
     let varies = |term: &usize| {
         let mut column: Vec<f64> = matrix.column(*term).iter().copied().collect();
@@ -217,12 +226,12 @@ fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Op
         return Ok((library, None));
     }
     let out: Vec<&str> = out.iter().map(|i| library.terms()[*i].as_str()).collect();
-    let note = format!(
-        "these terms are left out of the law, because they hardly change within a run: {}. Their contribution is part of the \
-         offset, which is not written. Record motion in both directions, including slow motion",
+    let message = format!(
+        "terms left out of the law, because they hardly change within a run: {}. Their contribution is part of the offset, which \
+         is not written: record motion in both directions, including slow motion",
         out.join(", ")
     );
-    Ok((library.only(&kept)?, Some(note)))
+    Ok((library.only(&kept)?, Some(HIDDEN.found(message))))
 }
 
 /// The library without terms that are constant at all speeds.

@@ -20,9 +20,6 @@ pub(super) fn drift(
     residuals: &[f64],
 ) -> Option<Drift> {
     let m = law.len();
-    if m < levels::FEWEST_OF_DRIFT.get() {
-        return None;
-    }
     let left: Vec<f64> = data.torques.iter().zip(law).map(|(t, l)| t - l).collect();
     let level = mean(&left);
     let from_mean: Vec<f64> = left.iter().map(|x| x - level).collect();

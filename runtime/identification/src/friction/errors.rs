@@ -1,8 +1,7 @@
-//! Standard errors of coefficients with correlated residuals: the inverse normal matrix ("bread") on both sides of the
-//! long-run variance of the scores (White 1980; Newey, West 1987).
+//! Standard errors of coefficients with correlated residuals ([`Correlated`]).
 
 use super::super::error::Result;
-use super::super::methods::confidence::{LongRun, covariance_of_sums};
+use super::super::methods::confidence::{Correlated, LongRun};
 use super::super::methods::least_squares::{Reduced, triangular_factor};
 use super::super::methods::library::Library;
 use super::super::methods::margin::change;
@@ -41,23 +40,14 @@ impl Errors {
     ) -> Result<Self> {
         let bread = inverse_gram(design, active, binding)?;
         let scores: Vec<Vec<f64>> = active.iter().map(|&i| score(design, i, residuals)).collect();
-        let influences = combine(&bread, &scores);
-        let sums: Vec<LongRun> =
-            influences.iter().map(|series| LongRun::of_sum(series, &design.runs)).collect();
-        let block = sums.iter().map(|s| s.block).max().unwrap_or(1);
-        let standard: Vec<f64> = sums.iter().map(LongRun::standard_error).collect();
-        let raw = covariance_of_sums(&influences, &design.runs, block);
-        let independent: Vec<f64> = influences.iter().map(|s| s.iter().map(|x| x * x).sum::<f64>()).collect();
-        let inflation: Vec<f64> =
-            sums.iter().zip(&independent).filter(|(_, i)| **i > 0.0).map(|(s, i)| s.variance / i).collect();
+        let errors = Correlated::new(&bread, &scores, &design.runs);
         let found = Self {
-            covariance: rescaled(raw, &standard),
+            covariance: errors.covariance,
+            standard: errors.standard,
             reach: vec![None; active.len()],
             resolution: active.iter().zip(&scores).map(|(&i, s)| alone(design, i, s)).collect(),
-            freedom: sums.iter().map(|s| s.freedom).fold(f64::INFINITY, f64::min).min(1e9),
-            effective_samples: residuals.len() as f64
-                / median(inflation).map_or(1.0, |median| median.max(1.0)),
-            standard,
+            freedom: errors.freedom.min(1e9),
+            effective_samples: residuals.len() as f64 / median(errors.inflation).map_or(1.0, |x| x.max(1.0)),
         };
         if design.data.common.is_none() && design.data.filtered.is_none() {
             return Ok(found);
@@ -184,23 +174,4 @@ fn null_space(rows: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
     let limit = 1e-10 * eigen.eigenvalues.amax();
     let kept: Vec<usize> = (0..count).filter(|&i| eigen.eigenvalues[i] <= limit).collect();
     eigen.eigenvectors.select_columns(&kept)
-}
-
-/// Influence of each sample on each coefficient: the inverse normal matrix times the scores.
-fn combine(bread: &DMatrix<f64>, scores: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let samples = scores.first().map_or(0, Vec::len);
-    let row = |j: usize| {
-        let mut sum = vec![0.0; samples];
-        for (k, score) in scores.iter().enumerate() {
-            sum.iter_mut().zip(score).for_each(|(s, x)| *s += bread[(j, k)] * x);
-        }
-        sum
-    };
-    (0..scores.len()).map(row).collect()
-}
-
-/// A covariance with the correlations of `raw` and the given standard errors.
-pub(super) fn rescaled(raw: DMatrix<f64>, standard: &[f64]) -> DMatrix<f64> {
-    let factor = |i: usize| if raw[(i, i)] > 0.0 { standard[i] / raw[(i, i)].sqrt() } else { 0.0 };
-    DMatrix::from_fn(standard.len(), standard.len(), |i, j| raw[(i, j)] * factor(i) * factor(j))
 }

@@ -1,8 +1,10 @@
 //! Findings about a friction law while it is identified: doubts, and reasons to refuse it.
 
 use super::super::error::Result;
+use super::super::methods::library::Library;
 use super::super::result::FrictionLaw;
 use super::levels;
+use super::settings::Setting;
 use super::task::FrictionData;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
@@ -25,12 +27,6 @@ const SLOW_LOG: Rule = Rule::warning("slow-log");
 /// Fixture: `laws_are_judged_at_speeds_that_the_joint_may_have` in `friction/findings.rs`.
 const BEYOND_EFFORT: Rule = Rule::error("law-beyond-effort");
 
-/// Sees: the filter of the samples, the method, and the terms from which the law was chosen.
-/// Matters: with other settings the law may differ. These notes are written as comments of the law.
-/// Example: best subset, 10 folds.
-/// Fixture: `friction/tests.rs`.
-const SETTINGS: Rule = Rule::note("law-settings");
-
 /// Inputs of the findings, and the findings that were made.
 pub(super) struct Findings<'a> {
     pub(super) data: &'a FrictionData<'a>,
@@ -41,22 +37,17 @@ pub(super) struct Findings<'a> {
 
 impl<'a> Findings<'a> {
     pub(super) fn new(data: &'a FrictionData<'a>) -> Self {
-        let notes = data.settings.iter().map(|text| SETTINGS.found(text)).collect();
+        let notes = data.settings.iter().map(Setting::finding).collect();
         Self { data, unit: data.unit, notes, all: Vec::new() }
     }
 
-    pub(super) fn note(&mut self, text: String) {
-        self.notes.push(SETTINGS.found(text));
+    pub(super) fn note(&mut self, setting: &Setting) {
+        self.notes.push(setting.finding());
     }
 
     /// Notes the terms from which the law is chosen.
-    pub(super) fn note_library(&mut self, terms: &[String], separate: bool, condition: f64) {
-        let offsets = if separate { " in addition to the offset of each run" } else { "" };
-        let text = format!(
-            "the law is chosen from the terms [{}]{offsets}. Their condition number is {condition:.1}",
-            terms.join(", ")
-        );
-        self.notes.push(SETTINGS.found(text).with("condition number", condition, ""));
+    pub(super) fn note_library(&mut self, library: &Library, with_offsets: bool, condition: f64) {
+        self.note(&Setting::Library { terms: library.terms().to_vec(), with_offsets, condition });
     }
 
     pub(super) fn add(&mut self, finding: Finding) {

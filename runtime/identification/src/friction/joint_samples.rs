@@ -8,8 +8,8 @@ use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::{
     CommonTerms, Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionReport, Offsets,
+    Setting,
 };
-use gelenk_findings::digits::plain;
 use std::ops::Range;
 
 /// Samples of one joint over all runs.
@@ -67,17 +67,9 @@ impl<'a> JointSamples<'a> {
                 None => samples.extend((run, offset), motion, &torques[joint]),
             }
         }
-        samples.keep_motions();
+        samples.motions.iter_mut().for_each(|motions| motions.retain(|ranges| !ranges.is_empty()));
+        samples.motions = samples.motions.take_if(|motions| motions.len() >= FEWEST_MOTIONS);
         samples
-    }
-
-    /// Uses the motions in which the joint moves as folds, if there are enough of these motions.
-    fn keep_motions(&mut self) {
-        let Some(motions) = &mut self.motions else { return };
-        motions.retain(|ranges| !ranges.is_empty());
-        if motions.len() < FEWEST_MOTIONS {
-            self.motions = None;
-        }
     }
 
     /// Adds the samples of a run at which the joint moves and its torque is known.
@@ -118,7 +110,9 @@ impl<'a> JointSamples<'a> {
         source: &str,
         preparation: &PreparationReport,
     ) -> Result<FrictionReport> {
-        let preparations = sentences(preparation);
+        let bandwidth = preparation.joints.first().map(|joint| joint.bandwidth);
+        let sample_rate = preparation.sample_rate;
+        let filter = bandwidth.map(|bandwidth| Setting::Filter { bandwidth, sample_rate });
         let mut torques = self.torques.clone();
         for offset in &self.offsets {
             torques[offset.samples.clone()].iter_mut().for_each(|torque| *torque -= offset.value);
@@ -136,7 +130,7 @@ impl<'a> JointSamples<'a> {
             common: self.common.as_ref(),
             limits: robot.limits().get(self.joint).copied(),
             data: source,
-            settings: &preparations,
+            settings: filter.as_slice(),
         };
         let library = settings.library.scaled(robot.speed_scales()[self.joint])?;
         let settings = FrictionIdentification { library, offsets: Offsets::Known, ..settings.clone() };
@@ -149,16 +143,4 @@ impl<'a> JointSamples<'a> {
 /// Samples of a run at which a joint moves and its torque is known.
 pub(crate) fn kept(run: &PreparedRun, joint: usize, torques: &[f64]) -> impl Iterator<Item = usize> {
     (0..torques.len()).filter(move |i| torques[*i].is_finite() && !run.rests(joint, *i))
-}
-
-fn sentences(preparation: &PreparationReport) -> Vec<String> {
-    let bandwidth = preparation.joints.first().map(|joint| joint.bandwidth);
-    let filter = bandwidth.map(|hertz| {
-        format!(
-            "positions and efforts passed the same zero-phase filter of {} Hz. Their sample rate is {} Hz",
-            plain(hertz, 4),
-            plain(preparation.sample_rate, 6)
-        )
-    });
-    filter.into_iter().collect()
 }

@@ -3,6 +3,7 @@
 use super::super::error::Result;
 use super::super::methods::offset::Offset;
 use super::super::methods::stribeck::StribeckWords;
+use super::super::numeric::statistics::extremes;
 use super::super::result::{FrictionLaw, FrictionResult};
 use super::drift::drift;
 use super::findings::Findings;
@@ -51,9 +52,9 @@ impl Findings<'_> {
             offsets: judged.offsets,
             samples: judged.residuals.len(),
             freedom: judged.freedom,
-            velocity_range: velocity_range(data.velocities),
+            velocity_range: extremes(data.velocities.iter().copied()),
             resolved_from: data.filtered.map(|_| data.resolved_from()),
-            residual: rms_of(&judged.residuals),
+            residual: (rss / judged.residuals.len() as f64).sqrt(),
             r_squared: if total > 0.0 { 1.0 - rss / total } else { 1.0 },
             held_out,
             drift,
@@ -65,12 +66,4 @@ impl Findings<'_> {
         let unseen_error = judged.unseen.as_ref().map(HeldOutErrors::error);
         Ok(FrictionReport { unseen_error, ..FrictionReport::alone(result, judged.residuals) })
     }
-}
-
-fn rms_of(x: &[f64]) -> f64 {
-    (x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64).sqrt()
-}
-
-pub(super) fn velocity_range(velocities: &[f64]) -> [f64; 2] {
-    velocities.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)])
 }

@@ -40,16 +40,6 @@ levels! {
     /// Number of standard errors by which static friction has to exceed Coulomb friction.
     DISTINCT: f64 = 2.0;
 
-    /// Smallest number of samples below the Stribeck speed that determine the fall from static to Coulomb friction.
-    FEWEST_SLOW: usize = 10;
-
-    /// Amount by which a Stribeck law must exceed its Coulomb friction F_c at some speed, as a share of F_s − F_c with the
-    /// static friction F_s.
-    REACHED: f64 = 0.1;
-
-    /// Smallest number of samples from which a drift is estimated.
-    FEWEST_OF_DRIFT: usize = 20;
-
     /// Significance level of the test for a trend.
     DRIFT_LEVEL: f64 = 0.01;
 }

@@ -6,6 +6,7 @@ use super::super::methods::least_squares::{Reduced, Solution};
 use super::super::methods::library::Library;
 use super::super::methods::moments::Moments;
 use super::super::numeric::spectrum::symmetric_eigenvalues;
+use super::super::numeric::statistics::largest;
 use super::findings::Findings;
 use super::levels;
 use gelenk_findings::Rule;
@@ -38,7 +39,7 @@ pub(super) fn beyond() -> impl Iterator<Item = f64> {
 /// - Beyond the speeds in the data, the torque hardly grows faster than the speed. Without this constraint, terms that cancel
 ///   each other within the data would diverge at higher speeds.
 pub(super) fn passive(library: &Library, velocities: [f64; 2]) -> Result<DMatrix<f64>> {
-    let fastest = velocities.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
+    let fastest = largest(&velocities);
     let grid: Vec<f64> = (-200..=200).map(|i| fastest * f64::from(i) / 200.0).collect();
     let viscous: Vec<usize> = (0..library.len()).filter(|&i| library.terms()[i] == "v").collect();
     let (signs, slope) = (passivity_rows(library, &grid)?, nonnegative_rows(&viscous, library.len()));

@@ -8,7 +8,7 @@ use super::super::methods::moments::Moments;
 use super::super::methods::stribeck::StribeckRegression;
 use super::super::methods::subset::{Conditions, SubsetValidation, best_of_size, requirements};
 use super::super::methods::thresholding::Thresholding;
-use gelenk_findings::digits::plain;
+use super::settings::Setting;
 
 /// Rule that chooses the weight λ of the LASSO's penalty from the errors on held-out blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,12 +53,12 @@ pub(super) struct Chosen {
     pub(super) solution: Solution,
     pub(super) validation: Option<CrossValidation>,
     pub(super) subsets: Option<SubsetValidation>,
-    pub(super) note: String,
+    pub(super) note: Setting,
 }
 
 impl Chosen {
     /// The choice by a rule that needs no folds.
-    fn directly(selection: Selection, reduced: &Reduced, note: String) -> Result<Self> {
+    fn directly(selection: Selection, reduced: &Reduced, note: Setting) -> Result<Self> {
         let solution = selection.fit(reduced)?;
         Ok(Self { selection, solution, validation: None, subsets: None, note })
     }
@@ -114,10 +114,7 @@ pub(super) fn choose(
 ) -> Result<Chosen> {
     match method {
         FrictionMethod::Thresholding(settings) => {
-            let Thresholding { threshold, ridge, .. } = settings;
-            let note = format!(
-                "sequentially thresholded least squares (threshold {threshold}, ridge {ridge}) chose the terms"
-            );
+            let note = Setting::Threshold(*settings);
             let chosen = Chosen::directly(Selection::Thresholding(*settings), reduced, note)?;
             let sets = by_threshold(settings, reduced);
             let subsets = folds().ok().and_then(|folds| along(sets, &folds, &conditions, &chosen.solution));
@@ -126,7 +123,7 @@ pub(super) fn choose(
         FrictionMethod::Lasso(lasso, choice) => by_lasso(reduced, lasso, *choice, &folds()?, &conditions),
         FrictionMethod::BestSubset | FrictionMethod::Ladder(_) => by_subsets(reduced, &folds()?, conditions),
         FrictionMethod::LeastSquares | FrictionMethod::Stribeck(_) => {
-            Chosen::directly(Selection::All, reduced, "least squares fitted all terms".into())
+            Chosen::directly(Selection::All, reduced, Setting::LeastSquares)
         }
     }
 }
@@ -138,10 +135,7 @@ fn by_subsets(reduced: &Reduced, folds: &[Moments], conditions: Conditions) -> R
         selection: Selection::BestOfSize(best.active.len(), conditions),
         solution: reduced.fit(0, &best.active)?,
         validation: None,
-        note: format!(
-            "the best subset of terms was chosen by {}-fold cross-validation and the one-standard-error rule",
-            folds.len()
-        ),
+        note: Setting::BestSubset { folds: folds.len() },
         subsets: Some(subsets),
     })
 }
@@ -186,14 +180,12 @@ fn by_lasso(
         LambdaChoice::OneStandardError => (validation.one_standard_error, "one standard error"),
     };
     let lambda = grid[index];
-    let note = format!(
-        "LASSO chose the terms by cross-validation with {} contiguous parts, λ by {name}: λ = {} in 1/(2N)‖·‖² + λ‖·‖₁{}, {} in \
-         ‖·‖² + λ‖·‖₁. Values and errors are those of least squares on the chosen terms",
-        folds.len(),
-        plain(lambda, 5),
-        if lasso.standardize { " (terms in units of their rms)" } else { "" },
-        plain(paper_lambda(lambda, reduced.moments().samples()), 5)
-    );
+    let note = Setting::Lasso {
+        folds: folds.len(),
+        choice: name,
+        lambdas: [lambda, paper_lambda(lambda, reduced.moments().samples())],
+        standardize: lasso.standardize,
+    };
     let solution = completed(refit(reduced, 0, &validation.path, index)?, reduced)?;
     let selection = Selection::Lasso(lasso.clone(), lambda);
     let sets = validation.path.coefficients.column_iter().map(|column| active_terms(&column.into_owned()));

@@ -5,12 +5,14 @@ use super::super::error::Result;
 use super::super::methods::least_squares::Reduced;
 use super::super::methods::library::Library;
 use super::super::methods::moments::Moments;
+use super::super::numeric::statistics::largest;
 use super::super::result::{FrictionLaw, FrictionResult};
 use super::errors::Errors;
 use super::findings::Findings;
 use super::held_out::held_out;
 use super::report::FrictionReport;
 use super::selection::FrictionMethod;
+use super::settings::Setting;
 use super::task::{FrictionData, FrictionIdentification};
 use super::terms::{Candidates, probabilities};
 use nalgebra::DVector;
@@ -40,7 +42,7 @@ impl FrictionIdentification {
         let reduced = Reduced::from_moments(Moments::sum(&data.shares)?)?;
         let library = Library::new(reduced.moments().names(), &["v"])?;
         let mut findings = Findings::new(&data.about);
-        findings.note_library(library.terms(), true, reduced.condition());
+        findings.note_library(&library, true, reduced.condition());
         let shares = || Ok(data.shares.clone());
         let candidates = Candidates {
             library: &library,
@@ -49,7 +51,7 @@ impl FrictionIdentification {
             velocity_range: data.velocity_range,
         };
         if matches!(self.method, FrictionMethod::Ladder(_)) {
-            findings.note("the Stribeck law was not tried, because a file of moments does not contain the single samples".into());
+            findings.note(&Setting::NoSamples);
         }
         let fitted = candidates.fitted(self, &mut findings)?;
         let (coefficients, active) = (&fitted.solution.coefficients, &fitted.solution.active);
@@ -60,7 +62,7 @@ impl FrictionIdentification {
         let held_out = unseen.and_then(|unseen| unseen.r_squared(data.lost));
         findings.judge(held_out, self.least_r_squared);
         let law = fitted.law(&library, &errors, probable.as_ref());
-        let fastest = data.velocity_range.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
+        let fastest = largest(&data.velocity_range);
         findings.judge_unseen_speeds(&law, fastest)?;
         let result = FrictionResult {
             held_out,

@@ -3,9 +3,7 @@
 use super::super::error::Result;
 use super::super::methods::library::Library;
 use super::super::methods::offset::centre;
-use super::super::methods::stribeck::{
-    NAMES, Observed, StribeckFit, StribeckRegression, slower, stribeck_torque,
-};
+use super::super::methods::stribeck::{NAMES, Observed, StribeckFit, StribeckRegression, slower};
 use super::super::numeric::statistics::simplest;
 use super::super::result::FrictionLaw;
 use super::design::{folds, offsets, runs};
@@ -16,6 +14,7 @@ use super::judgement::LawFit;
 use super::levels;
 use super::passivity::beyond;
 use super::report::FrictionReport;
+use super::settings::Setting;
 use super::task::{CommonTerms, FrictionData, FrictionIdentification, Offsets};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
@@ -99,12 +98,11 @@ impl<'a> Attempt<'a> {
         };
         let fit = regression.fit_runs(&samples)?.with_correlated_errors(&samples);
         let mut findings = Findings::new(data);
-        findings.note(format!(
-            "the Stribeck law{} was fitted by nonlinear least squares with equal weights of all samples ({} starts, {} passes)",
-            if separate { " in addition to the offset of each run" } else { "" },
-            regression.starts,
-            fit.iterations
-        ));
+        findings.note(&Setting::Stribeck {
+            with_offsets: separate,
+            starts: regression.starts,
+            passes: fit.iterations,
+        });
         if settings.passive {
             refuse_driving(&fit, &mut findings);
         }
@@ -198,15 +196,6 @@ fn falls(fit: &StribeckFit, data: &FrictionData) -> bool {
     fit.parameters[3] >= 0.0 && slower(resolved).all(|v| fit.torque(v).abs() <= bound)
 }
 
-/// Whether the law without viscous friction exceeds the Coulomb friction F_c noticeably at some speed. It does not if the fall
-/// from static to Coulomb friction ends at lower speeds than the smoothed step at zero velocity.
-fn stands_out(fit: &StribeckFit) -> bool {
-    let [_, coulomb, step, excess, fall] = fit.parameters;
-    let without = [0.0, coulomb, step, excess, fall];
-    let mut speeds = (1..=500).map(|i| 0.01 * f64::from(i) / fall);
-    speeds.any(|v| stribeck_torque(v, &without) > coulomb + levels::REACHED.get() * excess)
-}
-
 /// The finding that a fit is not a Stribeck law, because its Coulomb friction, static friction or Stribeck speed has no
 /// physical meaning; `None` if all three have a meaning.
 fn other_law(fit: &StribeckFit, data: &FrictionData) -> Option<Finding> {
@@ -214,7 +203,6 @@ fn other_law(fit: &StribeckFit, data: &FrictionData) -> Option<Finding> {
     let [coulomb, highest, speed] =
         [words.coulomb, words.static_friction, words.stribeck_speed].map(|word| word.value);
     let fastest = data.fastest();
-    let slow = data.velocities.iter().filter(|v| v.abs() < speed).count();
     let (torque, velocity) = (data.unit, data.velocity_unit);
     let [said_coulomb, said_highest, said_speed, said_fastest] =
         [coulomb, highest, speed, fastest].map(|x| plain(x, 4));
@@ -232,13 +220,6 @@ fn other_law(fit: &StribeckFit, data: &FrictionData) -> Option<Finding> {
         }),
         (speed > fastest).then(|| {
             format!("the Stribeck speed v_s = {said_speed} {velocity} is above the fastest motion of {said_fastest} {velocity}")
-        }),
-        (slow < levels::FEWEST_SLOW.get()).then(|| {
-            format!("only {slow} samples are slower than the Stribeck speed v_s = {said_speed} {velocity}")
-        }),
-        (highest > coulomb && !stands_out(fit)).then(|| {
-            format!("with v_s = {said_speed} {velocity}, static friction falls to Coulomb friction within the speeds at which \
-                     tanh smooths the sign of the velocity, so the law never noticeably exceeds Coulomb friction")
         }),
     ];
     let faults: Vec<String> = faults.into_iter().flatten().collect();
@@ -264,6 +245,7 @@ fn refuse_driving(fit: &StribeckFit, findings: &mut Findings) {
 #[cfg(test)]
 mod tests {
     use super::super::super::friction::FrictionMethod;
+    use super::super::super::methods::stribeck::stribeck_torque;
     use super::super::super::numeric::random::SplitMix64;
     use super::*;
 

@@ -7,6 +7,7 @@ use super::super::methods::thresholding::Thresholding;
 use super::super::robot::JointLimits;
 use super::levels;
 use super::selection::FrictionMethod;
+use super::settings::Setting;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -40,8 +41,8 @@ pub struct FrictionData<'a> {
     pub limits: Option<JointLimits>,
     /// Name and hash of the log, as text for the report.
     pub data: &'a str,
-    /// Sentences that say how the samples were processed, for example how velocities were computed.
-    pub settings: &'a [String],
+    /// Settings with which the samples were made, for example the filter.
+    pub(crate) settings: &'a [Setting],
 }
 
 impl<'a> FrictionData<'a> {

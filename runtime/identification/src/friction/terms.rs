@@ -1,28 +1,23 @@
 //! Laws that are sums of terms: choice of terms, least squares, passivity, standard errors.
 
 use super::super::error::Result;
-use super::super::methods::least_squares::{Reduced, Solution, Solver};
+use super::super::methods::least_squares::{Reduced, Solution};
 use super::super::methods::library::Library;
 use super::super::methods::moments::Moments;
 use super::super::methods::subset::{self, Conditions, MOST_TERMS, requirements};
+use super::super::numeric::statistics::extremes;
 use super::super::result::{FrictionLaw, FrictionTerm};
 use super::design::{Design, folds};
 use super::errors::Errors;
 use super::findings::Findings;
 use super::held_out::{held_out, variation};
-use super::judgement::{LawFit, velocity_range};
+use super::judgement::LawFit;
 use super::passivity::{doubt, passive, restrict};
 use super::report::FrictionReport;
 use super::selection::{Chosen, Selection, choose};
+use super::settings::Setting;
 use super::task::{FrictionData, FrictionIdentification};
-use gelenk_findings::Rule;
 use nalgebra::DMatrix;
-
-/// Sees: friction terms that cannot be distinguished from an offset.
-/// Matters: these terms are left out of the law.
-/// Example: Coulomb friction of a joint that moves in one direction only.
-/// Fixture: `parameters_that_the_data_do_not_show` in `runtime/tests/identification_bad_input.rs`.
-const HIDDEN: Rule = Rule::warning("terms-hidden");
 
 /// Identifies a law that is a sum of terms.
 pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -> Result<FrictionReport> {
@@ -35,7 +30,7 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
         library: &design.library,
         reduced: &reduced,
         folds: &|| design.folds(&samples, settings.folds),
-        velocity_range: velocity_range(data.velocities),
+        velocity_range: extremes(data.velocities.iter().copied()),
     };
     let fitted = candidates.fitted(settings, &mut findings)?;
     let residuals = design.residuals(&fitted.solution.coefficients);
@@ -51,11 +46,11 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
 }
 
 fn describe_library(design: &Design, reduced: &Reduced, findings: &mut Findings) {
-    findings.note_library(design.library.terms(), design.separate, reduced.condition());
-    design.notes.iter().for_each(|note| findings.note(note.clone()));
-    design.hidden.iter().for_each(|doubt| findings.add(HIDDEN.found(doubt.clone())));
-    if reduced.solver() == Solver::Orthogonal {
-        findings.note("solved by orthogonal factorization".into());
+    findings.note_library(&design.library, design.separate, reduced.condition());
+    design.notes.iter().for_each(|note| findings.note(note));
+    findings.all.extend(design.hidden.clone());
+    if reduced.is_orthogonal() {
+        findings.note(&Setting::Orthogonal);
     }
 }
 
@@ -90,7 +85,7 @@ impl Candidates<'_> {
             values: Some(self.values()?),
         };
         let chosen = choose(&settings.method, self.reduced, self.folds, conditions)?;
-        findings.note(chosen.note.clone());
+        findings.note(&chosen.note);
         let samples = self.reduced.moments().samples();
         let free = chosen.solution.clone();
         let (solution, binding) = restrict(self.reduced, free, rows.as_ref(), samples, findings)?;

@@ -28,7 +28,7 @@ fn identify(settings: &FrictionIdentification, v: &[f64], torque: &[f64]) -> Res
         velocities: v,
         torques: torque,
         data: "here (sha256 0)",
-        settings: &["made by hand".into()],
+        settings: &[Setting::Filter { bandwidth: 5.0, sample_rate: 50.0 }],
         ..FrictionData::default()
     })
 }
@@ -56,7 +56,10 @@ fn every_method_finds_the_curve() {
         }
         assert!((report.result.residual - 0.2).abs() < 0.01);
         assert_eq!(report.residuals.len(), 6000);
-        assert_eq!(report.result.settings[0].to_string(), "note[law-settings]: made by hand");
+        assert_eq!(
+            report.result.settings[0].to_string(),
+            "note[law-settings]: positions and efforts passed one zero-phase filter of 5 Hz on a grid of 50 Hz"
+        );
     }
 }
 

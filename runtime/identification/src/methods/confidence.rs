@@ -59,6 +59,42 @@ impl LongRun {
     }
 }
 
+/// Errors of coefficients with correlated scores: the inverse normal matrix ("bread") on both sides of the long-run variance
+/// of the scores (White 1980; Newey, West 1987).
+pub(crate) struct Correlated {
+    pub covariance: DMatrix<f64>,
+    pub standard: Vec<f64>,
+    /// Variance of each coefficient, as a multiple of its variance for independent errors.
+    pub inflation: Vec<f64>,
+    pub freedom: f64,
+}
+
+impl Correlated {
+    /// - `scores`: for each coefficient, the product of column and residual at each sample
+    pub(crate) fn new(bread: &DMatrix<f64>, scores: &[Vec<f64>], runs: &[Range<usize>]) -> Self {
+        let samples = scores.first().map_or(0, Vec::len);
+        let sum = |j: usize, i: usize| (0..scores.len()).map(|k| bread[(j, k)] * scores[k][i]).sum();
+        let influence = |j: usize| (0..samples).map(|i| sum(j, i)).collect();
+        let influences: Vec<Vec<f64>> = (0..scores.len()).map(influence).collect();
+        let sums: Vec<LongRun> = influences.iter().map(|series| LongRun::of_sum(series, runs)).collect();
+        let block = sums.iter().map(|sum| sum.block).max().unwrap_or(1);
+        let standard: Vec<f64> = sums.iter().map(LongRun::standard_error).collect();
+        let independent = influences.iter().map(|series| series.iter().map(|x| x * x).sum::<f64>());
+        Self {
+            covariance: rescaled(covariance_of_sums(&influences, runs, block), &standard),
+            inflation: sums.iter().zip(independent).map(|(sum, alone)| sum.variance / alone).collect(),
+            freedom: sums.iter().map(|sum| sum.freedom).fold(f64::INFINITY, f64::min),
+            standard,
+        }
+    }
+}
+
+/// Returns the covariance with the correlations of `raw` and the given standard errors.
+pub(crate) fn rescaled(raw: DMatrix<f64>, standard: &[f64]) -> DMatrix<f64> {
+    let factor = |i: usize| if raw[(i, i)] > 0.0 { standard[i] / raw[(i, i)].sqrt() } else { 0.0 };
+    DMatrix::from_fn(standard.len(), standard.len(), |i, j| raw[(i, j)] * factor(i) * factor(j))
+}
+
 /// Returns the two-sided quantile of Student's t distribution for a confidence level.
 ///
 /// # Errors
@@ -80,7 +116,7 @@ pub(crate) fn quantile(level: f64, freedom: f64) -> Result<f64> {
 }
 
 /// Returns the covariance of the sums of several series, from blocks of one length.
-pub(crate) fn covariance_of_sums(series: &[Vec<f64>], runs: &[Range<usize>], block: usize) -> DMatrix<f64> {
+fn covariance_of_sums(series: &[Vec<f64>], runs: &[Range<usize>], block: usize) -> DMatrix<f64> {
     let p = series.len();
     let mut covariance = DMatrix::zeros(p, p);
     for rows in runs {

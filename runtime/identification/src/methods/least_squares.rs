@@ -12,15 +12,6 @@ const NORMAL_EQUATIONS_LIMIT: f64 = 1e3;
 /// Condition number above which a library counts as collinear.
 pub(crate) const COLLINEAR_LIMIT: f64 = 1e10;
 
-/// Method that solves the equations.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Solver {
-    /// Cholesky factorization of the Gram matrix with scaled columns.
-    NormalEquations,
-    /// Householder factorization of the samples, block by block.
-    Orthogonal,
-}
-
 /// Data of a regression with the matrix Θ of the terms and the targets Y, reduced to the sums that its solution needs.
 #[derive(Debug, Clone)]
 pub struct Reduced {
@@ -98,9 +89,9 @@ impl Reduced {
         self.condition
     }
 
-    /// Returns the method that solves the equations of these data.
-    pub(crate) fn solver(&self) -> Solver {
-        if self.triangle.is_some() { Solver::Orthogonal } else { Solver::NormalEquations }
+    /// Whether the solution is computed by orthogonal factorization, because the columns are nearly collinear.
+    pub(crate) fn is_orthogonal(&self) -> bool {
+        self.triangle.is_some()
     }
 
     /// Minimizes `‖y − Θ ξ‖² + ridge ‖ξ‖²` over the coefficients ξ of the terms `active`, with the target y
@@ -112,7 +103,7 @@ impl Reduced {
     pub(crate) fn solve(&self, target: usize, active: &[usize], ridge: f64) -> Result<DVector<f64>> {
         self.check(target, active)?;
         let small = match &self.triangle {
-            None => self.solve_normal(target, active, ridge),
+            None => solve_scaled(&self.moments.gram(), &self.moments.projection(target), active, ridge),
             Some(triangle) => solve_triangular(triangle, self.moments.terms() + target, active, ridge),
         };
         let small = small.ok_or_else(|| {
@@ -160,18 +151,11 @@ impl Reduced {
     }
 
     fn check(&self, target: usize, active: &[usize]) -> Result<()> {
-        if target >= self.moments.targets() {
-            return require_length("targets", target + 1, self.moments.targets());
-        }
+        self.moments.require_target(target)?;
         match active.iter().find(|&&i| i >= self.moments.terms()) {
             Some(i) => require_length("terms", i + 1, self.moments.terms()),
             None => Ok(()),
         }
-    }
-
-    fn solve_normal(&self, target: usize, active: &[usize], ridge: f64) -> Option<DVector<f64>> {
-        let (gram, b) = (self.moments.gram(), self.moments.projection(target));
-        solve_scaled(&gram, &b, active, ridge)
     }
 
     /// Returns the diagonal of `(ΘₐᵀΘₐ)⁻¹` for the columns Θₐ of the active terms.
@@ -329,7 +313,7 @@ mod tests {
         let y: Vec<f64> = x.iter().map(|x| truth.iter().rev().fold(0.0, |s, c| s * x + c)).collect();
         let samples = Samples::from_library(&library, vec![&x], vec![&y]).unwrap();
         let reduced = Reduced::new(&samples).unwrap();
-        assert_eq!(reduced.solver(), Solver::Orthogonal);
+        assert!(reduced.is_orthogonal());
         let all: Vec<usize> = (0..10).collect();
         let solution = reduced.solve(0, &all, 0.0).unwrap();
         for (got, want) in solution.iter().zip(&truth) {

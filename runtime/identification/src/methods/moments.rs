@@ -270,7 +270,12 @@ impl Moments {
         self.products.ncols() - self.names.len()
     }
 
-    /// Returns the Gram matrix ΘᵀΘ of the terms' columns Θ.
+    /// Fails if there is no target with this index.
+    pub(crate) fn require_target(&self, target: usize) -> Result<()> {
+        if target < self.targets() { Ok(()) } else { require_length("targets", target + 1, self.targets()) }
+    }
+
+    /// Returns the Gram matrix ΘᵀΘ, which is p × p.
     pub(crate) fn gram(&self) -> DMatrix<f64> {
         let p = self.terms();
         self.products.view((0, 0), (p, p)).into_owned()

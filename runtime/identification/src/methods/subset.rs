@@ -3,7 +3,7 @@
 //! With p terms and k folds, these are k·2ᵖ solutions of at most p × p normal equations. The method needs no λ and does not
 //! have the bias of the LASSO (Hocking and Leslie 1967; one-standard-error rule: Breiman 1984).
 
-use super::super::error::{IdentificationError, Result, require_length, require_setting};
+use super::super::error::{IdentificationError, Result, require_setting};
 use super::super::numeric::statistics::{mean_with_error, simplest};
 use super::constrained::{breaks, constrained};
 use super::least_squares::solve_scaled;
@@ -115,20 +115,14 @@ pub(crate) const MOST_ALIKE: f64 = 0.8;
 pub(crate) fn seen_both_ways(
     terms: &[String],
     energies: impl Fn(usize) -> [f64; 2],
-) -> (Vec<usize>, Option<String>) {
+) -> (Vec<usize>, Vec<String>) {
     let unseen = |requirement: &Requirement| {
         let [forwards, backwards] = energies(requirement.needs);
         (forwards - backwards).abs() > MOST_ALIKE * (forwards + backwards)
     };
     let out: Vec<usize> = requirements(terms).iter().filter(|r| unseen(r)).map(|r| r.term).collect();
-    let texts: Vec<&str> = out.iter().map(|&i| terms[i].as_str()).collect();
-    let note = (!out.is_empty()).then(|| {
-        format!(
-            "these terms are left out, because nine tenths of the motion are in one direction: {}",
-            texts.join(", ")
-        )
-    });
-    ((0..terms.len()).filter(|i| !out.contains(i)).collect(), note)
+    let texts = out.iter().map(|&i| terms[i].clone()).collect();
+    ((0..terms.len()).filter(|i| !out.contains(i)).collect(), texts)
 }
 
 /// Returns all subsets of p terms that meet the requirements. The empty subset is the first one.
@@ -158,9 +152,7 @@ impl SubsetValidation {
             (1..=MOST_TERMS).contains(&p),
             "the method tries all subsets of one to twelve terms. Use the LASSO for more terms",
         )?;
-        if target >= folds[0].targets() {
-            require_length("targets", target + 1, folds[0].targets())?;
-        }
+        folds[0].require_target(target)?;
         let splits = splits(folds).collect::<Result<Vec<_>>>()?;
         let mut best: Vec<Option<ValidatedSubset>> = vec![None; p];
         for active in subsets(p, &conditions.requirements).skip(1) {
@@ -227,9 +219,7 @@ pub(crate) fn probabilities(
     let requirement = "probabilities are computed from all subsets, for one to twelve terms";
     require_setting("number of terms", p as f64, (1..=MOST_TERMS).contains(&p), requirement)?;
     require_setting("effective samples", n, n >= 2.0, "at least two are needed")?;
-    if target >= moments.targets() {
-        require_length("targets", target + 1, moments.targets())?;
-    }
+    moments.require_target(target)?;
     // An exact fit has a residual of zero. Its residual is replaced by the rounding error of the energy.
     let floor = 1e-14 * moments.energy(target).max(f64::MIN_POSITIVE);
     let models = subsets(p, requirements).filter_map(|active| {

@@ -28,6 +28,16 @@ pub(crate) fn span(mut values: Vec<f64>) -> Option<[f64; 2]> {
     Some([cut, last - cut].map(|at| *values.select_nth_unstable_by(at, f64::total_cmp).1))
 }
 
+/// Smallest and largest value; infinite if there are no values.
+pub(crate) fn extremes(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    values.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+}
+
+/// Largest magnitude; 0 if there are no values.
+pub(crate) fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
+    values.into_iter().fold(0.0, |most, x| most.max(x.abs()))
+}
+
 /// Returns the mean of the values, and its standard error if the values are independent.
 pub(crate) fn mean_with_error(values: &[f64]) -> [f64; 2] {
     let n = values.len() as f64;

@@ -5,6 +5,7 @@ use super::settings::PayloadSettings;
 use crate::error::{IdentificationError, Result, require_length, require_samples};
 use crate::estimation::distance;
 use crate::inertial::PER_BODY;
+use crate::numeric::statistics::largest;
 use crate::pose::rows_of;
 use crate::robot::Robot;
 use crate::run::{Effort, PreparedRun};
@@ -243,8 +244,8 @@ struct Columns<'a> {
     parameters: usize,
     nuisance: usize,
     body: usize,
-    /// Matrix that converts the logged efforts to joint forces, `joints × channels`.
-    to_joints: DMatrix<f64>,
+    /// B, row by row.
+    input_matrix: Vec<f64>,
     /// Largest speed of each joint. A joint at rest has no rows.
     speeds: Vec<f64>,
     /// Whether each row is that of a joint with a quaternion.
@@ -262,14 +263,16 @@ impl<'a> Columns<'a> {
         let runs: Vec<&PreparedRun> = runs.collect();
         let (joints, parameters) = (robot.joint_names().len(), robot.parameters().len());
         let effort = runs[0].effort;
-        let to_joints = to_joints(robot, effort)?;
+        if effort == Effort::Current {
+            let given = robot.described_currents().into_iter().filter(|is_given| *is_given).count();
+            let what = "motor constants (`motor_constant` of the drives), which logs of currents need";
+            require_length(what, robot.input_names().len(), given)?;
+        }
         let quaternions = robot.quaternion_joints();
         for run in &runs {
             run.check(robot, effort, !quaternions.is_empty())?;
         }
-        let largest =
-            |j: usize| runs.iter().flat_map(|run| &run.velocities[j]).fold(0.0, |s: f64, v| s.max(v.abs()));
-        let speeds = (0..joints).map(largest).collect();
+        let speeds = (0..joints).map(|j| largest(runs.iter().flat_map(|run| &run.velocities[j]))).collect();
         let nuisance = parameters + TERMS * joints;
         let exact = rows_of(&quaternions, joints);
         // A robot with a floating base may have joints without a sensor, whose efforts are NaN throughout.
@@ -278,7 +281,17 @@ impl<'a> Columns<'a> {
                 || runs.iter().all(|run| run.efforts[j].first().is_none_or(|u| !u.is_nan()))
         };
         let known = (0..joints).map(is_known).collect();
-        Ok(Self { robot, joints, parameters, nuisance, body, to_joints, speeds, exact, known })
+        Ok(Self {
+            robot,
+            joints,
+            parameters,
+            nuisance,
+            body,
+            input_matrix: robot.input_matrix(),
+            speeds,
+            exact,
+            known,
+        })
     }
 
     /// Adds sums of products of blocks of about `length` samples. Short runs share a block.
@@ -310,19 +323,15 @@ impl<'a> Columns<'a> {
         let mut regressor = vec![0.0; self.joints * self.parameters];
         let mut forces = vec![0.0; self.joints];
         for (row, i) in range.enumerate() {
-            let [y, v, a] = [run.coordinates(), &run.velocities, &run.accelerations]
-                .map(|columns| columns.iter().map(|c| c[i]).collect::<Vec<f64>>());
+            let [y, v, a] = run.state(i);
             regressor.fill(0.0);
             self.robot.inertial_regressor(&y, &v, &a, &mut regressor);
             self.robot.rigid_forces(&y, &v, &a, &mut forces);
             for (j, matrix) in rows.iter_mut().enumerate().filter(|(j, _)| self.tells(*j, v[*j])) {
                 counts[j] += 1;
                 let w = &regressor[j * self.parameters..(j + 1) * self.parameters];
-                let channels = run.efforts.iter().enumerate();
-                let acting = channels.filter(|(k, _)| self.to_joints[(j, *k)] != 0.0);
-                let measured: f64 = acting.map(|(k, e)| self.to_joints[(j, k)] * e[i]).sum();
                 self.write(&mut matrix.row_mut(row), j, w, v[j], loaded);
-                matrix[(row, width - 1)] = measured - forces[j];
+                matrix[(row, width - 1)] = run.force(&self.input_matrix, j, i) - forces[j];
             }
         }
         rows.iter().zip(counts).map(|(m, rows)| Sums { gram: m.tr_mul(m), rows }).collect()
@@ -331,14 +340,8 @@ impl<'a> Columns<'a> {
     /// Whether a sample of a joint contains information on the load: the force is known, and the joint moves fast enough that
     /// static friction does not hold it.
     fn tells(&self, joint: usize, velocity: f64) -> bool {
-        let slides =
-            !self.stands_still(joint) && velocity.abs() > levels::STICKING.get() * self.speeds[joint];
+        let slides = velocity.abs() > levels::STICKING.get() * self.speeds[joint];
         self.known[joint] && (self.exact[joint] || slides)
-    }
-
-    fn stands_still(&self, joint: usize) -> bool {
-        let fastest = self.speeds.iter().copied().fold(0.0, f64::max);
-        self.speeds[joint] <= levels::STILL.get() * fastest
     }
 
     /// Writes one row without its target.
@@ -384,20 +387,6 @@ impl<'a> Columns<'a> {
         prior.view_mut((0, 0), own.shape()).copy_from(&own);
         Ok(())
     }
-}
-
-/// Joint forces of unit efforts.
-fn to_joints(robot: &dyn Robot, effort: Effort) -> Result<DMatrix<f64>> {
-    let (joints, inputs) = (robot.joint_names().len(), robot.input_names().len());
-    if effort == Effort::Joint {
-        return Ok(DMatrix::identity(joints, joints));
-    }
-    if effort == Effort::Current {
-        let given = robot.described_currents().into_iter().filter(|is_given| *is_given).count();
-        let what = "motor constants (`motor_constant` of the drives), which logs of currents need";
-        require_length(what, inputs, given)?;
-    }
-    Ok(DMatrix::from_row_slice(joints, inputs, &robot.input_matrix()))
 }
 
 fn singular(what: &str) -> IdentificationError {

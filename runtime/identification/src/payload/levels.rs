@@ -10,9 +10,6 @@ levels! {
     /// any value up to the static one, so its effort contains no information about the load.
     STICKING: f64 = 0.01;
 
-    /// Share of the fastest joint's largest speed below which the largest speed of a joint counts as standstill.
-    STILL: f64 = 1e-3;
-
     /// Density [kg/m³] of the ball from which the parameters follow that the motion does not determine. Plastics have this
     /// density, and so has metal with twice its volume of air.
     DENSITY: f64 = 1500.0;

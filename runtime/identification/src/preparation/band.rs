@@ -114,12 +114,7 @@ impl<'a> Fits<'a> {
         let mut best = self.through(highest, ORDERS[1]);
         let octaves = (1..).map(|k| highest * 0.5_f64.powi(k)).take_while(|frequency| *frequency >= lowest);
         for frequency in octaves {
-            let next = self.through(frequency, ORDERS[1]);
-            let is_hopeless = next.mean() < best.mean() - levels::HOPELESS_BAND.get();
-            best = best.or(next);
-            if is_hopeless {
-                break;
-            }
+            best = best.or(self.through(frequency, ORDERS[1]));
         }
         if best.mean() < levels::DROP.get() {
             return None;

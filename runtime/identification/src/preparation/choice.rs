@@ -3,7 +3,7 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::methods::filter::{Band, Filter};
-use super::super::numeric::statistics::median;
+use super::super::numeric::statistics::{extremes, largest, median};
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun, Run};
@@ -119,11 +119,8 @@ impl<'a> Recorded<'a> {
             // If a rounding error changes seldom, its power is at low frequencies.
             let band = half_rate.min(channel.change_rate().max(1e-3));
             rounding = rounding.max(channel.resolution.powi(2) / 12.0 / band);
-            let extremes = channel
-                .values
-                .iter()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(*y), b.max(*y)));
-            range = range.max(extremes.1 - extremes.0);
+            let [low, high] = extremes(channel.values.iter().copied());
+            range = range.max(high - low);
         }
         let density = spectrum.floor(0.7 * noise_band).max(rounding);
         let noise = (density * noise_band).sqrt();
@@ -185,10 +182,7 @@ impl<'a> Recorded<'a> {
                 pieces.extend(smooth(signals, &piece, &how)?.map(|smoothed| (run, smoothed.run)));
             }
         }
-        let largest = |joint: usize| {
-            let speeds = pieces.iter().flat_map(|(_, piece)| &piece.velocities[joint]);
-            speeds.fold(0.0_f64, |most, v| most.max(v.abs()))
-        };
+        let largest = |joint: usize| largest(pieces.iter().flat_map(|(_, piece)| &piece.velocities[joint]));
         let quaternions = self.robot.map(Robot::quaternion_joints).unwrap_or_default();
         let exact = rows_of(&quaternions, self.joints());
         let speeds = |(joint, quality): (usize, &PositionQuality)| {

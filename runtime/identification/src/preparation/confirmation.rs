@@ -31,9 +31,6 @@ impl<'a> Recorded<'a> {
             let unexplained = self.unexplained(robot, &how, widest)?;
             least = least.min(unexplained);
             scores.push(unexplained);
-            if unexplained > least + levels::HOPELESS_BANDWIDTH.get() {
-                break;
-            }
         }
         let chosen = tried.iter().rev().zip(scores).find(|(_, score)| *score <= least + levels::LOSS.get());
         Ok(chosen.map_or(widest, |(bandwidth, _)| *bandwidth))

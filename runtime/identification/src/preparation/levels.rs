@@ -61,9 +61,6 @@ levels! {
     /// Largest relative growth of the unexplained part of the efforts that a smaller bandwidth may cause.
     LOSS: f64 = 0.02;
 
-    /// Growth of the unexplained part of the efforts after which smaller bandwidths are not tried.
-    HOPELESS_BANDWIDTH: f64 = 0.5;
-
     /// Number of samples in the regressions that compare bandwidths.
     BANDWIDTH_SAMPLES: usize = 1500;
 
@@ -72,9 +69,6 @@ levels! {
 
     /// Number of samples in the regressions that compare low-pass filters.
     BAND_SAMPLES: usize = 400;
-
-    /// Increase of the misfit (mean of ln RSS over the efforts) after which lower frequencies are not tried.
-    HOPELESS_BAND: f64 = 0.1;
 
     /// Largest candidate frequency of a low-pass filter of the efforts, as a share of the bandwidth. Two other effects
     /// resemble a low-pass filter: friction at reversals that depends on more than the speed, and a delay that is not known

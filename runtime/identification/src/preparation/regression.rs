@@ -4,6 +4,7 @@
 use super::super::methods::filter::{Band, Filter};
 use super::super::methods::moments::contiguous_blocks;
 use super::super::numeric::spectrum::svd;
+use super::super::numeric::statistics::largest;
 use super::super::pose::rows_of;
 use super::super::robot::Robot;
 use super::super::run::{Effort, PreparedRun};
@@ -56,7 +57,8 @@ impl<'a> Columns<'a> {
             let inputs = robot.input_names().len();
             svd(DMatrix::from_row_slice(joints, inputs, &robot.input_matrix())).pseudo_inverse(1e-9).ok()
         };
-        let fastest: Vec<f64> = (0..joints).map(|j| fastest(runs, j).max(1e-12)).collect();
+        let fastest: Vec<f64> =
+            (0..joints).map(|j| largest(runs.iter().flat_map(|r| &r.velocities[j])).max(1e-12)).collect();
         let sign = |(v, fastest): (&Vec<f64>, &f64)| {
             let rounded = |share: &f64| v.iter().map(|v| (v / (share * fastest)).tanh()).collect();
             roundings.iter().map(rounded).collect()
@@ -145,11 +147,6 @@ impl<'a> Columns<'a> {
         apart.columns_mut(parameters, parameters).copy_from(&weight);
         apart
     }
-}
-
-fn fastest(runs: &[&PreparedRun], joint: usize) -> f64 {
-    let speeds = runs.iter().flat_map(|r| r.velocities[joint].iter());
-    speeds.fold(0.0_f64, |most, v| most.max(v.abs()))
 }
 
 /// A sample: index of the run, and index of the sample in the run.

@@ -2,6 +2,7 @@
 
 use super::super::error::{IdentificationError, Result};
 use super::super::methods::filter::Band;
+use super::super::numeric::statistics::extremes;
 use super::super::robot::Robot;
 use super::super::run::Effort;
 use super::bandwidth::noise_share;
@@ -95,7 +96,8 @@ impl Recorded<'_> {
     ) -> Result<PreparationReport> {
         let filter = how.filter()?;
         let joints: Vec<JointPreparation> = (0..self.joints()).map(|j| self.joint(j, how, &delays)).collect();
-        let mut findings = self.of_runs(how);
+        let of_run = |s: &Signals| [self.of_pieces(s, how), self.of_positions(s)].concat();
+        let mut findings: Vec<Finding> = self.signals.iter().flat_map(of_run).collect();
         findings.extend(joints.iter().filter_map(noisy));
         findings.extend(self.held());
         // Findings about efforts of joints are in the report of the joint.
@@ -146,11 +148,6 @@ impl Recorded<'_> {
         self.robot.is_some_and(|robot| robot.unmeasured()[joint])
     }
 
-    /// Returns findings about the gaps, short pieces and spikes of each run.
-    fn of_runs(&self, how: &Smoothing) -> Vec<Finding> {
-        self.signals.iter().flat_map(|s| [self.of_pieces(s, how), self.of_positions(s)].concat()).collect()
-    }
-
     fn of_pieces(&self, signals: &Signals, how: &Smoothing) -> Vec<Finding> {
         let pieces = self.pieces(signals, how.bandwidth);
         let about = |rule: Rule, message: String| rule.found(message).log(&signals.name, None);
@@ -172,10 +169,9 @@ impl Recorded<'_> {
             about(SHORT_PIECES, message).help("use a larger --bandwidth, which cuts off less")
         });
         let pauses: Vec<f64> = pieces.windows(2).map(|pair| pair[1].start - pair[0].end).collect();
-        let [least, most] = pauses.iter().fold([f64::INFINITY, 0.0_f64], |[a, b], x| [a.min(*x), b.max(*x)]);
         let gaps = pieces.first().filter(|_| !pauses.is_empty()).map(|first| {
             let row = signals.row(first.end);
-            let [least, most] = [least, most].map(|pause| format!("{pause:.3}"));
+            let [least, most] = extremes(pauses.iter().copied()).map(|pause| format!("{pause:.3}"));
             let size = if least == most { least } else { format!("{least} to {most}") };
             about(
                 GAPS,

@@ -139,7 +139,7 @@ pub(super) fn smooth(signals: &Signals, piece: &Piece, how: &Smoothing) -> Resul
     let times: Vec<f64> = sampler.centres().map(|c| sampler.grid[c as usize]).collect();
     let band = how.band.map(|band| band.taps(sampler.step));
     let through = |channel: &Channel, order: usize, shift: f64| -> Result<Vec<f64>> {
-        let taps = kernel_at(&sampler, how, order, shift)?;
+        let taps = kernel(how.bandwidth, sampler.step, order, shift)?;
         let taps = band.as_ref().map_or_else(|| taps.clone(), |band| convolved(&taps, band));
         Ok(weighted(&interpolate(channel, &sampler.grid), &taps, sampler.centres()))
     };
@@ -177,10 +177,6 @@ pub(super) fn is_too_short(signals: &Signals, piece: &Piece, how: &Smoothing) ->
     Sampler::new(signals.step, piece, how).is_none()
 }
 
-fn kernel_at(sampler: &Sampler, how: &Smoothing, order: usize, shift: f64) -> Result<Vec<f64>> {
-    kernel(how.bandwidth, sampler.step, order, shift)
-}
-
 impl Sampler {
     fn new(log_step: f64, piece: &Piece, how: &Smoothing) -> Option<Self> {
         let ratio = (how.step / log_step).round().max(1.0) as usize;
@@ -203,7 +199,7 @@ impl Sampler {
     /// shifted by the rest.
     fn delayed(&self, channel: &Channel, how: &Smoothing, m: usize) -> Result<Vec<f64>> {
         let steps = (how.delays[m] / self.step).round();
-        let taps = kernel_at(self, how, 0, how.delays[m] - steps * self.step)?;
+        let taps = kernel(how.bandwidth, self.step, 0, how.delays[m] - steps * self.step)?;
         let signal = interpolate(channel, &self.grid);
         Ok(weighted(&signal, &taps, self.centres().map(|centre| centre + steps as isize)))
     }

@@ -55,17 +55,18 @@ impl Spectrum {
         }
         let taper = |i: usize| 0.5 - 0.5 * (2.0 * PI * (i as f64 + 0.5) / m as f64).cos();
         let length = m.next_power_of_two();
-        let mut re: Vec<f64> = second.iter().enumerate().map(|(i, a)| a * taper(i)).collect();
-        re.resize(length, 0.0);
-        let mut im = vec![0.0; length];
-        transform(&mut re, &mut im);
+        let mut tapered: Vec<[f64; 2]> =
+            second.iter().enumerate().map(|(i, a)| [a * taper(i), 0.0]).collect();
+        tapered.resize(length, [0.0; 2]);
+        let transformed = transform(&tapered);
         let (duration, bin) = (m as f64 * step, 1.0 / (length as f64 * step));
         // The mean square of the Hann taper is 3/8.
         let density = 2.0 * step / (0.375 * m as f64);
         for k in 1..length / 2 {
             let frequency = k as f64 * bin;
             let difference = (2.0 * (PI * frequency * step).sin()).powi(4);
-            let power = density * (re[k] * re[k] + im[k] * im[k]) / difference;
+            let [re, im] = transformed[k];
+            let power = density * (re * re + im * im) / difference;
             self.bands[band(frequency)].add(frequency, power, bin * duration);
         }
     }
@@ -127,44 +128,24 @@ fn centre(band: usize) -> f64 {
     LOWEST * 2.0_f64.powf((band as f64 + 0.5) / levels::BANDS_PER_OCTAVE.get())
 }
 
-/// Computes the discrete Fourier transform in place by the radix-2 algorithm (Cooley and Tukey 1965). The length must be a
-/// power of two.
-fn transform(re: &mut [f64], im: &mut [f64]) {
-    let n = re.len();
-    reorder(re, im);
-    let mut size = 2;
-    while size <= n {
-        let half = size / 2;
-        let turn: Vec<(f64, f64)> =
-            (0..half).map(|k| (-2.0 * PI * k as f64 / size as f64).sin_cos()).collect();
-        for start in (0..n).step_by(size) {
-            for (k, (s, c)) in turn.iter().enumerate() {
-                let (a, b) = (start + k, start + k + half);
-                let (x, y) = (re[b] * c - im[b] * s, re[b] * s + im[b] * c);
-                (re[b], im[b]) = (re[a] - x, im[a] - y);
-                (re[a], im[a]) = (re[a] + x, im[a] + y);
-            }
-        }
-        size *= 2;
+/// Returns the discrete Fourier transform by the radix-2 algorithm (Cooley and Tukey 1965): real and imaginary parts. The
+/// length must be a power of two.
+fn transform(series: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let half = series.len() / 2;
+    if half == 0 {
+        return series.to_vec();
     }
-}
-
-/// Swaps each entry with the entry at the bit-reversed index.
-fn reorder(re: &mut [f64], im: &mut [f64]) {
-    let n = re.len();
-    let mut j = 0;
-    for i in 1..n {
-        let mut bit = n / 2;
-        while j & bit != 0 {
-            j ^= bit;
-            bit /= 2;
-        }
-        j |= bit;
-        if i < j {
-            re.swap(i, j);
-            im.swap(i, j);
-        }
-    }
+    let part = |first: usize| {
+        transform(&series[first..].iter().step_by(2).copied().collect::<Vec<_>>()).into_iter().enumerate()
+    };
+    let turned = part(1).map(|(k, [re, im])| {
+        let (s, c) = (-PI * k as f64 / half as f64).sin_cos();
+        [re * c - im * s, re * s + im * c]
+    });
+    let turned: Vec<[f64; 2]> = turned.collect();
+    let even: Vec<[f64; 2]> = part(0).map(|(_, value)| value).collect();
+    let sums = |sign: f64| even.iter().zip(&turned).map(move |(a, b)| [0, 1].map(|i| a[i] + sign * b[i]));
+    sums(1.0).chain(sums(-1.0)).collect()
 }
 
 #[cfg(test)]
@@ -175,13 +156,12 @@ mod tests {
     #[test]
     fn the_transform_agrees_with_its_definition() {
         let signal: Vec<f64> = (0..16).map(|i| f64::from(i * i % 7)).collect();
-        let (mut re, mut im) = (signal.clone(), vec![0.0; 16]);
-        transform(&mut re, &mut im);
+        let found = transform(&signal.iter().map(|x| [*x, 0.0]).collect::<Vec<_>>());
         for k in 0..16 {
             let angle = |i: usize| -2.0 * PI * (i * k) as f64 / 16.0;
             let c: f64 = signal.iter().enumerate().map(|(i, x)| x * angle(i).cos()).sum();
             let s: f64 = signal.iter().enumerate().map(|(i, x)| x * angle(i).sin()).sum();
-            assert!((re[k] - c).abs() < 1e-12 && (im[k] - s).abs() < 1e-12, "{k}");
+            assert!((found[k][0] - c).abs() < 1e-12 && (found[k][1] - s).abs() < 1e-12, "{k}");
         }
     }
 

@@ -58,7 +58,8 @@ impl Targets {
     /// - `others`: second name of each joint or input, or an empty slice
     pub(super) fn new(names: &[String], others: &[Option<String>]) -> Self {
         let spelled: Vec<Vec<String>> = names.iter().map(|n| words(n)).collect();
-        let short: Vec<Vec<String>> = spelled.iter().map(|w| without_joint(w)).collect();
+        let short: Vec<Vec<String>> =
+            spelled.iter().map(|all| all.iter().filter(|w| *w != "joint").cloned().collect()).collect();
         let aliases = (0..names.len()).map(|i| {
             let unique = short.iter().filter(|s| **s == short[i]).count() == 1;
             let named = short[i].iter().any(|w| !is_number(w) && w.chars().count() > 1);
@@ -128,11 +129,6 @@ impl Targets {
         let column = |place: &usize| numbered.iter().find(|n| n.0 == number(*place)).map(|n| n.1);
         self.places.iter().map(column).collect()
     }
-}
-
-/// Returns the words without `joint`, for example `wrist_1` for `wrist_1_joint`.
-fn without_joint(words: &[String]) -> Vec<String> {
-    words.iter().filter(|w| *w != "joint").cloned().collect()
 }
 
 /// Returns all families of the headers.

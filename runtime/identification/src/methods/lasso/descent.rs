@@ -3,7 +3,7 @@
 use super::super::least_squares::solve_scaled;
 use super::super::moments::Moments;
 use super::{Lasso, active_terms};
-use crate::error::{IdentificationError, Result, require_length, require_setting};
+use crate::error::{IdentificationError, Result, require_setting};
 use crate::numeric::spectrum::symmetric_eigen;
 use gelenk_findings::digits::plain;
 use nalgebra::{DMatrix, DVector};
@@ -14,7 +14,6 @@ pub(super) struct Problem {
     energy: f64,
     pub(super) samples: f64,
     pub(super) weights: Vec<f64>,
-    pub(super) nonnegative: Vec<bool>,
 }
 
 /// Coefficients w, and correlations c = b − G w of the terms with the residual. G is the Gram matrix of the
@@ -32,17 +31,10 @@ impl State {
 
 impl Problem {
     pub(super) fn new(settings: &Lasso, moments: &Moments, target: usize) -> Result<Self> {
-        if target >= moments.targets() {
-            require_length("targets", target + 1, moments.targets())?;
-        }
+        moments.require_target(target)?;
         require_setting("tolerance", settings.tolerance, settings.tolerance > 0.0, "it must be positive")?;
         moments.require_no_zero_column()?;
         let (p, samples) = (moments.terms(), moments.samples() as f64);
-        for &i in settings.unpenalized.iter().chain(&settings.nonnegative) {
-            if i >= p {
-                require_length("terms", i + 1, p)?;
-            }
-        }
         let energy = moments.energy(target);
         if energy == 0.0 {
             return Err(IdentificationError::ZeroColumn {
@@ -51,30 +43,14 @@ impl Problem {
             });
         }
         let gram = moments.gram();
-        let weight = |i: usize| match (settings.unpenalized.contains(&i), settings.standardize) {
-            (true, _) => 0.0,
-            (false, true) => (gram[(i, i)] / samples).sqrt(),
-            (false, false) => 1.0,
-        };
+        let weight = |i: usize| if settings.standardize { (gram[(i, i)] / samples).sqrt() } else { 1.0 };
         Ok(Self {
             weights: (0..p).map(weight).collect(),
-            nonnegative: (0..p).map(|i| settings.nonnegative.contains(&i)).collect(),
             b: moments.projection(target),
             gram,
             energy,
             samples,
         })
-    }
-
-    pub(super) fn unpenalized_fit(&self) -> DVector<f64> {
-        let free: Vec<usize> = (0..self.b.len()).filter(|&i| self.weights[i] == 0.0).collect();
-        let mut w = DVector::zeros(self.b.len());
-        if let Some(small) = solve_scaled(&self.gram, &self.b, &free, 0.0) {
-            for (&i, x) in free.iter().zip(small.iter()) {
-                w[i] = *x;
-            }
-        }
-        w
     }
 
     pub(super) fn solve(&self, lambda: f64, state: &mut State, settings: &Lasso) -> Result<f64> {
@@ -111,7 +87,7 @@ impl Problem {
             let threshold = self.samples * lambda * self.weights[j];
             let shrunk = if q > threshold {
                 q - threshold
-            } else if q < -threshold && !self.nonnegative[j] {
+            } else if q < -threshold {
                 q + threshold
             } else {
                 0.0
@@ -137,10 +113,8 @@ impl Problem {
             let right = DVector::from_fn(self.b.len(), |j, _| {
                 self.b[j] - self.samples * lambda * self.weights[j] * state.w[j].signum()
             });
-            let solution = match self.null_direction(&active) {
-                None => solve_scaled(&self.gram, &right, &active, 0.0),
-                Some(direction) => self.along_null_direction(&active, &direction, &state.w),
-            };
+            let collinear = self.along_null_direction(&active, &state.w);
+            let solution = collinear.or_else(|| solve_scaled(&self.gram, &right, &active, 0.0));
             let Some(solution) = solution else { break };
             let (fraction, leaving) = self.largest_step(&active, &solution, &state.w);
             for (&j, x) in active.iter().zip(solution.iter()) {
@@ -152,45 +126,27 @@ impl Problem {
         state.c = &self.b - &self.gram * &state.w;
     }
 
-    /// Returns a direction that does not change the fitted values if the active terms are collinear; `None` if they are not
-    /// collinear.
-    fn null_direction(&self, active: &[usize]) -> Option<DVector<f64>> {
+    /// Returns a distant point in a direction that does not change the fitted values and makes the penalty smaller. On the way
+    /// to this point a coefficient reaches zero. `None` if the active terms are not collinear.
+    fn along_null_direction(&self, active: &[usize], w: &DVector<f64>) -> Option<DVector<f64>> {
         let n = active.len();
         let norm = |i: usize| self.gram[(active[i], active[i])].sqrt();
         let scaled = DMatrix::from_fn(n, n, |i, j| self.gram[(active[i], active[j])] / (norm(i) * norm(j)));
         // The smallest pivot of the Cholesky factorization is an upper bound of the smallest eigenvalue and much cheaper to
         // compute.
-        let regular = scaled.clone().cholesky().is_some_and(|f| f.l_dirty().diagonal().amin() > 1e-5);
-        if regular || n == 0 {
+        let factor = scaled.clone().cholesky();
+        if n == 0 || factor.is_some_and(|factor| factor.l_dirty().diagonal().amin() > 1e-5) {
             return None;
         }
         let eigen = symmetric_eigen(scaled);
         let least = eigen.eigenvalues.imin();
-        let is_null = eigen.eigenvalues[least] <= 1e-12;
-        is_null.then(|| DVector::from_fn(n, |i, _| eigen.eigenvectors[(i, least)] / norm(i)))
-    }
-
-    /// Returns a distant point along a null direction, at which the penalty is smaller. On the way to this point a
-    /// coefficient reaches zero. `None` if no coefficient reaches zero.
-    fn along_null_direction(
-        &self,
-        active: &[usize],
-        direction: &DVector<f64>,
-        w: &DVector<f64>,
-    ) -> Option<DVector<f64>> {
-        let slope: f64 =
-            (0..active.len()).map(|i| self.weights[active[i]] * w[active[i]].signum() * direction[i]).sum();
-        let sign = if slope > 0.0 { -1.0 } else { 1.0 };
-        let ratio = |i: usize| {
-            if sign * direction[i] * w[active[i]] < 0.0 {
-                (w[active[i]] / direction[i]).abs()
-            } else {
-                f64::INFINITY
-            }
-        };
-        let length = (0..active.len()).map(ratio).fold(f64::INFINITY, f64::min);
-        let far = |i: usize| w[active[i]] + sign * 2.0 * length * direction[i];
-        length.is_finite().then(|| DVector::from_fn(active.len(), |i, _| far(i)))
+        let direction = DVector::from_fn(n, |i, _| eigen.eigenvectors[(i, least)] / norm(i));
+        let slope: f64 = (0..n).map(|i| self.weights[active[i]] * w[active[i]].signum() * direction[i]).sum();
+        let direction = direction * if slope > 0.0 { -1.0 } else { 1.0 };
+        let falls = (0..n).map(|i| -w[active[i]] / direction[i]).filter(|length| *length > 0.0);
+        let length = 2.0 * falls.fold(f64::INFINITY, f64::min);
+        let is_null = eigen.eigenvalues[least] <= 1e-12 && length.is_finite();
+        is_null.then(|| DVector::from_fn(n, |i, _| w[active[i]] + length * direction[i]))
     }
 
     /// Returns the share of the step to `solution` that keeps all signs, and the coefficient that limits the step.
@@ -202,8 +158,7 @@ impl Problem {
     ) -> (f64, Option<usize>) {
         let mut step = (1.0, None);
         for (&j, x) in active.iter().zip(solution.iter()) {
-            let may_change_sign = self.weights[j] == 0.0 && !self.nonnegative[j];
-            if !may_change_sign && x * w[j] <= 0.0 {
+            if x * w[j] <= 0.0 {
                 let share = w[j] / (w[j] - x);
                 if share < step.0 || step.1.is_none() {
                     step = (share.min(step.0), Some(j));
@@ -221,9 +176,8 @@ impl Problem {
         let residual = (residual_target - state.c.dot(&state.w)).max(0.0);
         let mut scale = 1.0_f64;
         for j in 0..state.w.len() {
-            let c = if self.nonnegative[j] { state.c[j].max(0.0) } else { state.c[j].abs() };
-            let limit = self.samples * lambda * self.weights[j];
-            if self.weights[j] > 0.0 && c > limit {
+            let (c, limit) = (state.c[j].abs(), self.samples * lambda * self.weights[j]);
+            if c > limit {
                 scale = scale.min(limit / c);
             }
         }

@@ -25,10 +25,6 @@ pub(crate) fn paper_lambda(lambda: f64, samples: usize) -> f64 {
 pub struct Lasso {
     /// Whether the penalty weight ωᵢ of a term is the root mean square of the term's column instead of 1.
     pub standardize: bool,
-    /// Indices of terms without a penalty (`ωᵢ = 0`).
-    pub unpenalized: Vec<usize>,
-    /// Indices of terms whose coefficient must not be negative.
-    pub nonnegative: Vec<usize>,
     /// Duality gap at which the iteration ends, as a share of `‖y‖²/(2N)` for N samples of the target y.
     pub tolerance: f64,
     /// Largest number of sweeps over all terms for each λ.
@@ -37,13 +33,7 @@ pub struct Lasso {
 
 impl Default for Lasso {
     fn default() -> Self {
-        Self {
-            standardize: false,
-            unpenalized: Vec::new(),
-            nonnegative: Vec::new(),
-            tolerance: 1e-10,
-            max_sweeps: 100_000,
-        }
+        Self { standardize: false, tolerance: 1e-10, max_sweeps: 100_000 }
     }
 }
 
@@ -59,21 +49,16 @@ pub struct LassoPath {
 }
 
 impl Lasso {
-    /// Returns the smallest λ at which every penalized coefficient is zero.
+    /// Returns the smallest λ at which every coefficient is zero.
     ///
     /// # Errors
     /// - `ZeroColumn`: the target or a term is zero
     /// - `Setting`, `Shape`: a setting is out of its range
     pub(crate) fn largest_lambda(&self, moments: &Moments, target: usize) -> Result<f64> {
         let problem = Problem::new(self, moments, target)?;
-        let start = problem.unpenalized_fit();
-        let c = &problem.b - &problem.gram * start;
-        let bound = |j: usize| {
-            let c = if problem.nonnegative[j] { c[j].max(0.0) } else { c[j].abs() };
-            if problem.weights[j] > 0.0 { c / (problem.samples * problem.weights[j]) } else { 0.0 }
-        };
+        let bound = |j: usize| problem.b[j].abs() / (problem.samples * problem.weights[j]);
         // A few units in the last place are added, so that rounding does not leave a non-zero coefficient at this λ.
-        Ok((0..c.len()).map(bound).fold(0.0, f64::max) * (1.0 + 4.0 * f64::EPSILON))
+        Ok((0..problem.b.len()).map(bound).fold(0.0, f64::max) * (1.0 + 4.0 * f64::EPSILON))
     }
 
     /// Returns `count` values of λ in a geometric sequence. The first one is the smallest λ that removes every term, the

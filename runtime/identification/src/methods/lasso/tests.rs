@@ -23,12 +23,7 @@ fn random_moments(seed: u64, m: usize, p: usize, correlated: bool) -> Moments {
 }
 
 /// Solves the same problem as a quadratic program in (w⁺, w⁻) ≥ 0 by an interior-point solver.
-fn by_interior_points(
-    moments: &Moments,
-    lambda: f64,
-    weights: &[f64],
-    nonnegative: &[usize],
-) -> DVector<f64> {
+fn by_interior_points(moments: &Moments, lambda: f64, weights: &[f64]) -> DVector<f64> {
     let (p, n) = (moments.terms(), moments.samples() as f64);
     let (g, b) = (moments.gram() / n, moments.projection(0) / n);
     let sign = |i: usize| if i < p { 1.0 } else { -1.0 };
@@ -38,11 +33,8 @@ fn by_interior_points(
         })
         .collect();
     let q: Vec<f64> = (0..2 * p).map(|i| lambda * weights[i % p] - sign(i) * b[i % p]).collect();
-    let mut rows: Vec<Vec<f64>> =
+    let rows: Vec<Vec<f64>> =
         (0..2 * p).map(|i| (0..2 * p).map(|j| if i == j { -1.0 } else { 0.0 }).collect()).collect();
-    for &j in nonnegative {
-        rows.push((0..2 * p).map(|k| if k == p + j { 1.0 } else { 0.0 }).collect());
-    }
     let zeros = vec![0.0; rows.len()];
     let cones: [SupportedConeT<f64>; 1] = [NonnegativeConeT(rows.len())];
     let settings = DefaultSettingsBuilder::default()
@@ -79,19 +71,14 @@ fn orthogonal_columns_are_soft_thresholded() {
 fn agrees_with_clarabel_on_random_problems() {
     for seed in 0..12 {
         let moments = random_moments(seed, 60, 9, seed % 2 == 0);
-        let lasso = Lasso {
-            standardize: seed % 3 == 0,
-            nonnegative: if seed % 4 == 1 { vec![6, 8] } else { vec![] },
-            tolerance: 1e-13,
-            ..Default::default()
-        };
+        let lasso = Lasso { standardize: seed % 3 == 0, tolerance: 1e-13, ..Default::default() };
         let weights: Vec<f64> = (0..9)
             .map(|j| if lasso.standardize { (moments.gram()[(j, j)] / 60.0).sqrt() } else { 1.0 })
             .collect();
         let grid = lasso.lambda_grid(&moments, 0, 8, 1e-3).unwrap();
         let path = lasso.path(&moments, 0, &grid).unwrap();
         for (k, &lambda) in grid.iter().enumerate() {
-            let reference = by_interior_points(&moments, lambda, &weights, &lasso.nonnegative);
+            let reference = by_interior_points(&moments, lambda, &weights);
             let difference = (path.coefficients.column(k) - reference).amax();
             assert!(difference < 2e-6, "seed {seed}, λ {lambda:e}: {difference:e}");
         }
@@ -125,17 +112,6 @@ fn equal_columns_share_a_coefficient() {
         let sum = a.coefficients[(0, k)] + a.coefficients[(2, k)];
         assert!((sum - b.coefficients[(0, k)]).abs() < 1e-6, "{k}: {sum} {}", b.coefficients[(0, k)]);
     }
-}
-
-#[test]
-fn unpenalized_terms_enter_first() {
-    let moments = random_moments(2, 80, 6, false);
-    let lasso = Lasso { unpenalized: vec![1], ..Default::default() };
-    let largest = lasso.largest_lambda(&moments, 0).unwrap();
-    let (coefficients, active) = lasso.fit(&moments, 0, 1.0001 * largest).unwrap();
-    assert_eq!(active, [1]);
-    let alone = moments.projection(0)[1] / moments.gram()[(1, 1)];
-    assert!((coefficients[1] - alone).abs() < 1e-12);
 }
 
 #[test]

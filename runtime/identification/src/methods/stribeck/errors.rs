@@ -1,6 +1,6 @@
 //! Standard errors of the parameters of a Stribeck law, and warnings about the parameters.
 
-use super::super::confidence::{LongRun, covariance_of_sums};
+use super::super::confidence::{Correlated, LongRun};
 use super::super::margin::change;
 use super::super::offset::centre;
 use super::law::{NAMES, StribeckFit};
@@ -94,21 +94,12 @@ impl StribeckFit {
     pub(crate) fn with_correlated_errors(mut self, samples: &Observed) -> Self {
         let (scores, runs) = (self.scores(samples), samples.runs);
         let (inverse, ..) = inverse(&self.information);
-        let m = samples.v.len();
-        let influence = |j: usize| -> Vec<f64> {
-            (0..m).map(|i| (0..5).map(|k| inverse[(j, k)] * scores[k][i]).sum()).collect()
-        };
-        let influences: Vec<Vec<f64>> = (0..5).map(influence).collect();
-        let sums: Vec<LongRun> = influences.iter().map(|s| LongRun::of_sum(s, runs)).collect();
-        let block = sums.iter().map(|s| s.block).max().unwrap_or(1);
-        let raw = covariance_of_sums(&influences, runs, block);
-        self.covariance = rescaled(&raw, &sums);
-        self.standard_errors =
-            std::array::from_fn(|i| self.standard_errors[i].map(|_| sums[i].standard_error()));
+        let errors = Correlated::new(&DMatrix::from_fn(5, 5, |i, k| inverse[(i, k)]), &scores, runs);
+        self.covariance = SMatrix::from_fn(|i, k| errors.covariance[(i, k)]);
+        self.standard_errors = std::array::from_fn(|i| self.standard_errors[i].map(|_| errors.standard[i]));
         let alone = |i: usize| LongRun::of_sum(&scores[i], runs).standard_error() / self.information[(i, i)];
         self.resolutions = std::array::from_fn(|i| self.resolutions[i].map(|_| alone(i)));
-        let freedom = sums.iter().map(|s| s.freedom).fold(f64::INFINITY, f64::min);
-        self.freedom = self.freedom.min(freedom as usize).max(1);
+        self.freedom = self.freedom.min(errors.freedom as usize).max(1);
         self
     }
 
@@ -165,12 +156,6 @@ impl Sensitivities {
             product(&self.derivatives[i], &others[k])
         })
     }
-}
-
-fn rescaled(raw: &DMatrix<f64>, sums: &[LongRun]) -> SMatrix<f64, 5, 5> {
-    let factor =
-        |i: usize| if raw[(i, i)] > 0.0 { sums[i].standard_error() / raw[(i, i)].sqrt() } else { 0.0 };
-    SMatrix::from_fn(|i, j| raw[(i, j)] * factor(i) * factor(j))
 }
 
 fn warnings(fit: &StribeckFit, data: &Data) -> Vec<Finding> {

@@ -1,0 +1,106 @@
+//! Settings with which a friction law was found.
+
+use super::super::methods::thresholding::Thresholding;
+use gelenk_findings::digits::plain;
+use gelenk_findings::{Finding, Rule};
+use std::fmt;
+
+/// Sees: the filter of the samples, the method, and the terms from which the law was chosen.
+/// Matters: with other settings the law may differ. These notes are written as comments of the law.
+/// Example: best subset, 10 folds.
+/// Fixture: `friction/tests.rs`.
+const SETTINGS: Rule = Rule::note("law-settings");
+
+/// A setting with which a friction law was found.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Setting {
+    /// Bandwidth of the filter of positions and efforts, and rate of the filtered samples [Hz].
+    Filter { bandwidth: f64, sample_rate: f64 },
+    /// Sums of products of logs, with the total duration [s] and the smallest and largest bandwidth of the logs [Hz].
+    Moments { logs: usize, samples: u64, seconds: f64, shares: usize, bandwidths: [f64; 2] },
+    /// Terms that motion in one direction does not determine.
+    OneDirection(Vec<String>),
+    /// Terms from which the law is chosen, and the condition number of the scaled terms.
+    Library { terms: Vec<String>, with_offsets: bool, condition: f64 },
+    /// Least squares on all terms.
+    LeastSquares,
+    /// Sequentially thresholded least squares.
+    Threshold(Thresholding),
+    /// LASSO with the weight λ in the conventions of `1/(2N)‖·‖²` and of `‖·‖²`.
+    Lasso { folds: usize, choice: &'static str, lambdas: [f64; 2], standardize: bool },
+    /// Best subset of the terms.
+    BestSubset { folds: usize },
+    /// Nonlinear regression of a Stribeck law.
+    Stribeck { with_offsets: bool, starts: usize, passes: usize },
+    /// A Stribeck law was not tried, because sums of products contain no samples.
+    NoSamples,
+    /// Solution by orthogonal factorization, because the terms are nearly collinear.
+    Orthogonal,
+}
+
+impl Setting {
+    /// The note about the setting.
+    pub(crate) fn finding(&self) -> Finding {
+        let found = SETTINGS.found(self.to_string());
+        match self {
+            Self::Library { condition, .. } => found.with("condition number", *condition, ""),
+            _ => found,
+        }
+    }
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let offsets = |has: &bool| if *has { " in addition to the offset of each run" } else { "" };
+        match self {
+            Self::Filter { bandwidth, sample_rate } => write!(
+                out,
+                "positions and efforts passed one zero-phase filter of {} Hz on a grid of {} Hz",
+                plain(*bandwidth, 4),
+                plain(*sample_rate, 6)
+            ),
+            Self::Moments { logs, samples, seconds, shares, bandwidths: [narrow, wide] } => {
+                let plural = if *logs == 1 { "log" } else { "logs" };
+                let range = if narrow < wide { format!("{narrow:.3} to ") } else { String::new() };
+                write!(
+                    out,
+                    "moments of {logs} {plural}, {samples} samples, {seconds:.1} s, in {shares} shares; filter of \
+                     {range}{wide:.3} Hz; R² is computed with an offset of each run, which the moments do not contain"
+                )
+            }
+            Self::OneDirection(terms) => {
+                let terms = terms.join(", ");
+                write!(out, "{terms} left out, because nine tenths of the motion are in one direction")
+            }
+            Self::Library { terms, with_offsets, condition } => {
+                let (terms, offsets) = (terms.join(", "), offsets(with_offsets));
+                write!(out, "library [{terms}]{offsets}, condition number {condition:.1}")
+            }
+            Self::LeastSquares => out.write_str("least squares on all terms"),
+            Self::Threshold(Thresholding { threshold, ridge, .. }) => {
+                write!(out, "sequentially thresholded least squares, threshold {threshold}, ridge {ridge}")
+            }
+            Self::Lasso { folds, choice, lambdas, standardize } => {
+                let [own, paper] = lambdas.map(|lambda| plain(lambda, 5));
+                let rms = if *standardize { " (terms in units of their rms)" } else { "" };
+                write!(
+                    out,
+                    "LASSO, {folds} contiguous folds, choice by {choice}: λ = {own} in 1/(2N)‖·‖² + λ‖·‖₁{rms}, {paper} in \
+                     ‖·‖² + λ‖·‖₁; values and errors are those of least squares on the chosen terms"
+                )
+            }
+            Self::BestSubset { folds } => {
+                write!(out, "best subset, {folds} folds, choice by one standard error")
+            }
+            Self::Stribeck { with_offsets, starts, passes } => write!(
+                out,
+                "Stribeck law{} by nonlinear least squares with equal weights of all samples, {starts} starts, {passes} passes",
+                offsets(with_offsets)
+            ),
+            Self::NoSamples => out.write_str(
+                "the Stribeck law was not tried, because it needs single samples, and moments contain only sums",
+            ),
+            Self::Orthogonal => out.write_str("solved by orthogonal factorization"),
+        }
+    }
+}
