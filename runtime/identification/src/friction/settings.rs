@@ -55,7 +55,7 @@ impl fmt::Display for Setting {
         match self {
             Self::Filter { bandwidth, sample_rate } => write!(
                 out,
-                "positions and efforts passed one zero-phase filter of {} Hz on a grid of {} Hz",
+                "positions and efforts passed the same zero-phase filter of {} Hz. Their sample rate is {} Hz",
                 plain(*bandwidth, 4),
                 plain(*sample_rate, 6)
             ),
@@ -64,21 +64,22 @@ impl fmt::Display for Setting {
                 let range = if narrow < wide { format!("{narrow:.3} to ") } else { String::new() };
                 write!(
                     out,
-                    "moments of {logs} {plural}, {samples} samples, {seconds:.1} s, in {shares} shares; filter of \
-                     {range}{wide:.3} Hz; R² is computed with an offset of each run, which the moments do not contain"
+                    "moments of {logs} {plural}, {samples} samples, {seconds:.1} s, in {shares} groups for cross-validation, low-pass \
+                     filter {range}{wide:.3} Hz. R² is computed with one offset for each run. The values of these offsets cannot \
+                     be computed from moments, so they are not reported"
                 )
             }
             Self::OneDirection(terms) => {
                 let terms = terms.join(", ");
-                write!(out, "{terms} left out, because nine tenths of the motion are in one direction")
+                write!(out, "these terms are left out, because nine tenths of the motion are in one direction: {terms}")
             }
             Self::Library { terms, with_offsets, condition } => {
                 let (terms, offsets) = (terms.join(", "), offsets(with_offsets));
-                write!(out, "library [{terms}]{offsets}, condition number {condition:.1}")
+                write!(out, "the law is chosen from the terms [{terms}]{offsets}. Their condition number is {condition:.1}")
             }
-            Self::LeastSquares => out.write_str("least squares on all terms"),
+            Self::LeastSquares => out.write_str("least squares fitted all terms"),
             Self::Threshold(Thresholding { threshold, ridge, .. }) => {
-                write!(out, "sequentially thresholded least squares, threshold {threshold}, ridge {ridge}")
+                write!(out, "sequentially thresholded least squares (threshold {threshold}, ridge {ridge}) chose the terms")
             }
             Self::Lasso { folds, choice, lambdas, standardize } => {
                 let [own, paper] = lambdas.map(|lambda| plain(lambda, 5));
@@ -90,11 +91,11 @@ impl fmt::Display for Setting {
                 )
             }
             Self::BestSubset { folds } => {
-                write!(out, "best subset, {folds} folds, choice by one standard error")
+                write!(out, "the best subset of terms was chosen by {folds}-fold cross-validation and the one-standard-error rule")
             }
             Self::Stribeck { with_offsets, starts, passes } => write!(
                 out,
-                "Stribeck law{} by nonlinear least squares with equal weights of all samples, {starts} starts, {passes} passes",
+                "the Stribeck law{} was fitted by nonlinear least squares with equal weights of all samples ({starts} starts, {passes} passes)",
                 offsets(with_offsets)
             ),
             Self::NoSamples => out.write_str(

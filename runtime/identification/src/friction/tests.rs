@@ -58,7 +58,7 @@ fn every_method_finds_the_curve() {
         assert_eq!(report.residuals.len(), 6000);
         assert_eq!(
             report.result.settings[0].to_string(),
-            "note[law-settings]: positions and efforts passed one zero-phase filter of 5 Hz on a grid of 50 Hz"
+            "note[law-settings]: positions and efforts passed the same zero-phase filter of 5 Hz. Their sample rate is 50 Hz"
         );
     }
 }
