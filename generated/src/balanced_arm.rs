@@ -771,8 +771,8 @@ pub fn kinetic_energy(y: &[f64; N], v: &[f64; N]) -> f64 {
 /// `V = −g · Σ m c + Σ ∫ F(l, l̇ = 0) dl`
 ///
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
-/// - returns `V`: energy (J); without springs of joints; gravity: 0 if the centre of mass is at the height of the
-///   base frame's origin
+/// - returns `V`: energy (J) without springs of joints; the part of gravity is 0 if the centre of mass is at the
+///   height of the base frame's origin
 ///
 /// Cost: 10 multiplications, 8 additions, 0 divisions, 3 function calls (2 `sin_cos`, 1 other).
 ///

@@ -841,8 +841,8 @@ pub fn inertial_parameters_into(pi: &mut [f64; 20]) {
 /// - `y: [N]`: coordinates: `cart` in m, `pole` in rad
 /// - `v: [N]`: velocities ẏ: `cart` in m/s, `pole` in rad/s
 /// - `a: [N]`: accelerations ÿ: `cart` in m/s², `pole` in rad/s²
-/// - returns `W: [N × 20]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of
-///   rotors are last
+/// - returns `W: [N × 20]`: one row per coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns
+///   of rotors are last
 ///
 /// Cost: 11 multiplications, 5 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
@@ -956,7 +956,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 5] = [
 /// - `y: [N]`: coordinates: `cart` in m, `pole` in rad
 /// - `v: [N]`: velocities ẏ: `cart` in m/s, `pole` in rad/s
 /// - `a: [N]`: accelerations ÿ: `cart` in m/s², `pole` in rad/s²
-/// - returns `W_b: [N × 4]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
+/// - returns `W_b: [N × 4]`: one row per coordinate, columns in the order of `BASE_PARAMETER_NAMES`
 ///
 /// Cost: 9 multiplications, 4 additions, 0 divisions, 1 function call (`sin_cos`).
 ///
@@ -1010,7 +1010,7 @@ pub fn friction_parameters() -> [f64; 2] {
 /// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
 ///
 /// - `v: [N]`: velocities ẏ: `cart` in m/s, `pole` in rad/s
-/// - returns `R: [N × 2]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
+/// - returns `R: [N × 2]`: one row per coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 ///

@@ -1461,8 +1461,8 @@ pub fn inertial_parameters_into(p: &Parameters, pi: &mut [f64; 20]) {
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
 /// - `p`: free parameters
-/// - returns `W: [N × 20]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of
-///   rotors are last
+/// - returns `W: [N × 20]`: one row per coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns
+///   of rotors are last
 ///
 /// Cost: 18 multiplications, 11 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -1597,7 +1597,7 @@ pub const BASE_PARAMETER_NAMES: [&str; 6] = [
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
 /// - `p`: free parameters
-/// - returns `W_b: [N × 6]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
+/// - returns `W_b: [N × 6]`: one row per coordinate, columns in the order of `BASE_PARAMETER_NAMES`
 ///
 /// Cost: 16 multiplications, 10 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -1685,7 +1685,7 @@ pub fn friction_parameters(p: &Parameters) -> [f64; 2] {
 ///
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `p`: free parameters
-/// - returns `R: [N × 2]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
+/// - returns `R: [N × 2]`: one row per coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 ///

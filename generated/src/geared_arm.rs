@@ -1125,8 +1125,8 @@ pub fn inertial_parameters_into(pi: &mut [f64; 22]) {
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
-/// - returns `W: [N × 22]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of
-///   rotors are last
+/// - returns `W: [N × 22]`: one row per coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns
+///   of rotors are last
 ///
 /// Cost: 20 multiplications, 11 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -1278,7 +1278,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
 /// - `y: [N]`: coordinates: `shoulder`, `elbow` in rad
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
-/// - returns `W_b: [N × 7]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
+/// - returns `W_b: [N × 7]`: one row per coordinate, columns in the order of `BASE_PARAMETER_NAMES`
 ///
 /// Cost: 17 multiplications, 10 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -1367,7 +1367,7 @@ pub fn friction_parameters() -> [f64; 4] {
 /// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
 ///
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
-/// - returns `R: [N × 4]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
+/// - returns `R: [N × 4]`: one row per coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
 ///
 /// Cost: 2 multiplications, 0 additions, 0 divisions, 2 function calls.
 ///

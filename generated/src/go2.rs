@@ -1273,7 +1273,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 326] = [
 /// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
 ///   `base_ry`, `base_rz`, `FL_hip`, `FL_thigh`, `FL_calf`, `FR_hip`, `FR_thigh`, `FR_calf`, `RL_hip`,
 ///   `RL_thigh`, `RL_calf`, `RR_hip`, `RR_thigh`, `RR_calf` in rad/s²
-/// - returns `W_b: [N × 94]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
+/// - returns `W_b: [N × 94]`: one row per coordinate, columns in the order of `BASE_PARAMETER_NAMES`
 ///
 /// Cost: 1396 multiplications, 1091 additions, 0 divisions, 12 function calls (`sin_cos`).
 ///

@@ -1891,8 +1891,8 @@ pub fn inertial_parameters_into(pi: &mut [f64; 22]) {
 /// - `y: [N]`: coordinates: `beta`, `gamma` in rad
 /// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
 /// - `a: [N]`: accelerations ÿ: `beta`, `gamma` in rad/s²
-/// - returns `W: [N × 22]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of
-///   rotors are last
+/// - returns `W: [N × 22]`: one row per coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns
+///   of rotors are last
 ///
 /// Cost: 21 multiplications, 12 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -2041,7 +2041,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
 /// - `y: [N]`: coordinates: `beta`, `gamma` in rad
 /// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
 /// - `a: [N]`: accelerations ÿ: `beta`, `gamma` in rad/s²
-/// - returns `W_b: [N × 7]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
+/// - returns `W_b: [N × 7]`: one row per coordinate, columns in the order of `BASE_PARAMETER_NAMES`
 ///
 /// Cost: 18 multiplications, 11 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -2124,7 +2124,7 @@ pub fn friction_parameters() -> [f64; 9] {
 /// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
 ///
 /// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
-/// - returns `R: [N × 9]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
+/// - returns `R: [N × 9]`: one row per coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
 ///
 /// Cost: 6 multiplications, 0 additions, 0 divisions, 6 function calls, 1 selection.
 ///

@@ -624,8 +624,8 @@ pub fn inertial_parameters() -> [f64; 11] {
 /// - `y: [N]`: coordinates: `alpha` in rad
 /// - `v: [N]`: velocities ẏ: `alpha` in rad/s
 /// - `a: [N]`: accelerations ÿ: `alpha` in rad/s²
-/// - returns `W: [N × 11]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of
-///   rotors are last
+/// - returns `W: [N × 11]`: one row per coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns
+///   of rotors are last
 ///
 /// Cost: 1 multiplication, 0 additions, 0 divisions, 0 function calls.
 ///
@@ -659,7 +659,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 2] = [
 /// - `y: [N]`: coordinates: `alpha` in rad
 /// - `v: [N]`: velocities ẏ: `alpha` in rad/s
 /// - `a: [N]`: accelerations ÿ: `alpha` in rad/s²
-/// - returns `W_b: [N × 1]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
+/// - returns `W_b: [N × 1]`: one row per coordinate, columns in the order of `BASE_PARAMETER_NAMES`
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 ///
@@ -695,7 +695,7 @@ pub fn friction_parameters() -> [f64; 2] {
 /// `τ(ẏ) = friction_regressor(ẏ) · friction_parameters`
 ///
 /// - `v: [N]`: velocities ẏ: `alpha` in rad/s
-/// - returns `R: [N × 2]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
+/// - returns `R: [N × 2]`: one row per coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
 ///
 /// Cost: 1 multiplication, 0 additions, 0 divisions, 1 function call.
 ///

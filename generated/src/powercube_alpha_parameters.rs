@@ -940,8 +940,8 @@ pub fn inertial_parameters(p: &Parameters) -> [f64; 11] {
 /// - `v: [N]`: velocities ẏ: `alpha` in rad/s
 /// - `a: [N]`: accelerations ÿ: `alpha` in rad/s²
 /// - `p`: free parameters
-/// - returns `W: [N × 11]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of
-///   rotors are last
+/// - returns `W: [N × 11]`: one row per coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns
+///   of rotors are last
 ///
 /// Cost: 1 multiplication, 0 additions, 0 divisions, 0 function calls.
 ///
@@ -983,7 +983,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 2] = [
 /// - `v: [N]`: velocities ẏ: `alpha` in rad/s
 /// - `a: [N]`: accelerations ÿ: `alpha` in rad/s²
 /// - `p`: free parameters
-/// - returns `W_b: [N × 1]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
+/// - returns `W_b: [N × 1]`: one row per coordinate, columns in the order of `BASE_PARAMETER_NAMES`
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 ///
@@ -1043,7 +1043,7 @@ pub fn friction_parameters(p: &Parameters) -> [f64; 7] {
 ///
 /// - `v: [N]`: velocities ẏ: `alpha` in rad/s
 /// - `p`: free parameters
-/// - returns `R: [N × 7]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
+/// - returns `R: [N × 7]`: one row per coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
 ///
 /// Cost: 4 multiplications, 0 additions, 0 divisions, 4 function calls, 1 selection.
 ///

@@ -1958,8 +1958,8 @@ pub fn inertial_parameters_into(p: &Parameters, pi: &mut [f64; 22]) {
 /// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
 /// - `a: [N]`: accelerations ÿ: `beta`, `gamma` in rad/s²
 /// - `p`: free parameters
-/// - returns `W: [N × 22]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of
-///   rotors are last
+/// - returns `W: [N × 22]`: one row per coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns
+///   of rotors are last
 ///
 /// Cost: 21 multiplications, 12 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -2116,7 +2116,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
 /// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
 /// - `a: [N]`: accelerations ÿ: `beta`, `gamma` in rad/s²
 /// - `p`: free parameters
-/// - returns `W_b: [N × 7]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
+/// - returns `W_b: [N × 7]`: one row per coordinate, columns in the order of `BASE_PARAMETER_NAMES`
 ///
 /// Cost: 18 multiplications, 11 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -2226,7 +2226,7 @@ pub fn friction_parameters(p: &Parameters) -> [f64; 14] {
 ///
 /// - `v: [N]`: velocities ẏ: `beta`, `gamma` in rad/s
 /// - `p`: free parameters
-/// - returns `R: [N × 14]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
+/// - returns `R: [N × 14]`: one row per coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
 ///
 /// Cost: 8 multiplications, 0 additions, 0 divisions, 8 function calls, 2 selections.
 ///

@@ -2507,8 +2507,8 @@ pub fn inertial_parameters() -> [f64; 10] {
 ///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
 ///   `base_ry`, `base_rz` in rad/s²
-/// - returns `W: [N × 10]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of
-///   rotors are last
+/// - returns `W: [N × 10]`: one row per coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns
+///   of rotors are last
 ///
 /// Cost: 22 multiplications, 25 additions, 0 divisions, 0 function calls.
 ///
@@ -2702,7 +2702,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
 ///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
 /// - `a: [N]`: accelerations v̇, written ÿ in equations: `base_x`, `base_y`, `base_z` in m/s², `base_rx`,
 ///   `base_ry`, `base_rz` in rad/s²
-/// - returns `W_b: [N × 10]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
+/// - returns `W_b: [N × 10]`: one row per coordinate, columns in the order of `BASE_PARAMETER_NAMES`
 ///
 /// Cost: 22 multiplications, 25 additions, 0 divisions, 0 function calls.
 ///
@@ -2869,7 +2869,7 @@ pub fn friction_parameters() -> [f64; 0] {
 ///
 /// - `v: [N]`: velocities v, written ẏ in equations; for a joint with a quaternion, linear and angular velocity
 ///   in the frame of its body: `base_x`, `base_y`, `base_z` in m/s, `base_rx`, `base_ry`, `base_rz` in rad/s
-/// - returns `R: [N × 0]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
+/// - returns `R: [N × 0]`: one row per coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 ///

@@ -1485,8 +1485,8 @@ pub fn inertial_parameters_into(pi: &mut [f64; 32]) {
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
 /// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
 ///   m/s, m/s²
-/// - returns `W: [N × 32]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of
-///   rotors are last
+/// - returns `W: [N × 32]`: one row per coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns
+///   of rotors are last
 ///
 /// Cost: 23 multiplications, 14 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -1670,7 +1670,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 10] = [
 /// - `a: [N]`: accelerations ÿ: `shoulder`, `elbow` in rad/s²
 /// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
 ///   m/s, m/s²
-/// - returns `W_b: [N × 7]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
+/// - returns `W_b: [N × 7]`: one row per coordinate, columns in the order of `BASE_PARAMETER_NAMES`
 ///
 /// Cost: 20 multiplications, 13 additions, 0 divisions, 2 function calls (`sin_cos`).
 ///
@@ -1771,7 +1771,7 @@ pub fn friction_parameters() -> [f64; 6] {
 /// - `v: [N]`: velocities ẏ: `shoulder`, `elbow` in rad/s
 /// - `d: [DRIVEN × 3]`: driven motion: position, velocity and acceleration of each driven joint: `rail` in m,
 ///   m/s, m/s²
-/// - returns `R: [N × 6]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
+/// - returns `R: [N × 6]`: one row per coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
 ///
 /// Cost: 2 multiplications, 0 additions, 0 divisions, 2 function calls.
 ///

@@ -2058,8 +2058,8 @@ pub fn inertial_parameters_into(pi: &mut [f64; 66]) {
 /// - `y: [N]`: coordinates: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad
 /// - `v: [N]`: velocities ẏ: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad/s
 /// - `a: [N]`: accelerations ÿ: `joint_1`, `joint_2`, `joint_3`, `joint_4`, `joint_5`, `joint_6` in rad/s²
-/// - returns `W: [N × 66]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of
-///   rotors are last
+/// - returns `W: [N × 66]`: one row per coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns
+///   of rotors are last
 ///
 /// Cost: 544 multiplications, 418 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///

@@ -9928,8 +9928,8 @@ pub fn inertial_parameters_into(pi: &mut [f64; 60]) {
 ///   `wrist_2_joint`, `wrist_3_joint` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
 ///   `wrist_2_joint`, `wrist_3_joint` in rad/s²
-/// - returns `W: [N × 60]`: rows by coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns of
-///   rotors are last
+/// - returns `W: [N × 60]`: one row per coordinate, columns in the order of `INERTIAL_PARAMETER_NAMES`; columns
+///   of rotors are last
 ///
 /// Cost: 454 multiplications, 366 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
@@ -11395,7 +11395,7 @@ pub const BASE_PARAMETER_TERMS: [(usize, usize, f64); 94] = [
 ///   `wrist_2_joint`, `wrist_3_joint` in rad/s
 /// - `a: [N]`: accelerations ÿ: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
 ///   `wrist_2_joint`, `wrist_3_joint` in rad/s²
-/// - returns `W_b: [N × 36]`: rows by coordinate, columns in the order of `BASE_PARAMETER_NAMES`
+/// - returns `W_b: [N × 36]`: one row per coordinate, columns in the order of `BASE_PARAMETER_NAMES`
 ///
 /// Cost: 360 multiplications, 293 additions, 0 divisions, 5 function calls (`sin_cos`).
 ///
@@ -12367,7 +12367,7 @@ pub fn friction_parameters() -> [f64; 0] {
 ///
 /// - `v: [N]`: velocities ẏ: `shoulder_pan_joint`, `shoulder_lift_joint`, `elbow_joint`, `wrist_1_joint`,
 ///   `wrist_2_joint`, `wrist_3_joint` in rad/s
-/// - returns `R: [N × 0]`: rows by coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
+/// - returns `R: [N × 0]`: one row per coordinate, columns in the order of `FRICTION_PARAMETER_NAMES`
 ///
 /// Cost: 0 multiplications, 0 additions, 0 divisions, 0 function calls.
 ///
