@@ -72,7 +72,9 @@ fn friction_on_the_shafts_of_a_differential_is_found() {
     println!("{text}");
     assert!(text.contains("joint or shaft") && text.contains("\n  left_motor "), "{text}");
     assert!(
-        text.contains("note[friction-of-joint]: joint wrist_pitch: its friction term v is estimated"),
+        text.contains(
+            "note[friction-of-joint]: joint wrist_pitch: the factor 0.2 of its friction term v becomes 0.20"
+        ),
         "{text}"
     );
     let [arm, truth, found] = ["arm.toml", "truth.toml", "found.toml"].map(|name| wrist.robot(name));

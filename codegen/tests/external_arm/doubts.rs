@@ -130,7 +130,9 @@ fn a_log_that_is_not_predicted_is_named() {
     };
     let said = validated("other.csv");
     for joint in ["turn", "lift", "reach"] {
-        let warning = format!("in the logs to validate, warning[validation-failed]: joint {joint}: R² is -");
+        let warning = format!(
+            "in the logs to validate, warning[validation-failed]: joint {joint}: the efforts are farther from the prediction"
+        );
         assert!(said.contains(&warning), "{said}");
     }
     assert!(!validated("log.csv").contains("validation-failed"));

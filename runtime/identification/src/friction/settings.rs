@@ -86,8 +86,8 @@ impl fmt::Display for Setting {
                 let rms = if *standardize { " (terms in units of their rms)" } else { "" };
                 write!(
                     out,
-                    "LASSO, {folds} contiguous folds, choice by {choice}: λ = {own} in 1/(2N)‖·‖² + λ‖·‖₁{rms}, {paper} in \
-                     ‖·‖² + λ‖·‖₁; values and errors are those of least squares on the chosen terms"
+                    "LASSO chose the terms by cross-validation with {folds} contiguous parts, λ by {choice}: λ = {own} in 1/(2N)‖·‖² + λ‖·‖₁{rms}, {paper} in \
+                     ‖·‖² + λ‖·‖₁. Values and errors are those of least squares on the chosen terms"
                 )
             }
             Self::BestSubset { folds } => {
