@@ -335,7 +335,7 @@ fn what_does_not_belong_together_is_refused_with_what_to_do() {
         message(&other)
     };
     let cases = [
-        (changed(&|about| about.description[3] ^= 1), "another description", "reduce its logs again"),
+        (changed(&|about| about.description[3] ^= 1), "another description", "Reduce its logs again"),
         (changed(&|about| about.effort = Effort::Current), "are currents", "with the same --effort"),
         (
             changed(&|about| about.gravity_compensated = true),

@@ -158,7 +158,7 @@ mod tests {
         let (warnings, refusals) = said(30.0, 0.1);
         assert!(
             warnings[0].starts_with("warning[slow-log]")
-                && warnings[0].contains("reach 0.1 , 2.5 % of the described limit"),
+                && warnings[0].contains("reach only 0.1 , 2.5 % of the described limit"),
             "{warnings:?}"
         );
         assert!(refusals[0].contains("more than the described effort limit of 100"), "{refusals:?}");

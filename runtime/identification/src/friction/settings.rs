@@ -99,7 +99,7 @@ impl fmt::Display for Setting {
                 offsets(with_offsets)
             ),
             Self::NoSamples => out.write_str(
-                "the Stribeck law was not tried, because it needs single samples, and moments contain only sums",
+                "the Stribeck law was not tried, because a file of moments does not contain the single samples",
             ),
             Self::Orthogonal => out.write_str("solved by orthogonal factorization"),
         }

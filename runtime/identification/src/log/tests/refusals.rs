@@ -22,7 +22,7 @@ fn cases() -> Vec<(String, &'static str, &'static str)> {
         (under("t,q1,q2,x1,x2"), "", "the log has no columns with a usual name for the efforts of joint_1, joint_2. The \
                                       columns are: t, q1, q2, x1, x2. Name the right ones with --columns 'torque=…'"),
         (under("t,q1,q3,u1,u2"), "", "the log has no column for the position of `joint_2`"),
-        (under("t,q1,q2,u1,q3"), "", "have 3 numbers (1 to 3), but the robot needs only 2 columns"),
+        (under("t,q1,q2,u1,q3"), "", "have 3 numbers (1 to 3), but the robot needs only 2."),
         (under("x,q1,q2,u1,u2"), "", "the log has no column with a usual name for the time"),
         (under("time_one,q1,q2,u1,time_two"), "", "both `time_one` and `time_two` (columns 1 and 5) could be the time"),
         (under("t,left_q1,left_q2,right_q1,right_q2"), "torque=4|5", "both `left_q{}` and `right_q{}` could be the positions: use \
@@ -39,7 +39,7 @@ fn cases() -> Vec<(String, &'static str, &'static str)> {
         (under("t,q1,q2,u1,u2"), "torque=u{},current=u{}", "this quantity is named twice"),
         (under("t,q1,q2,u1,u2"), "position={name}_pos", "no column has this name"),
         (under("t,q1 [counts],q2 [counts],u1,u2"), "", "column `q1 [counts]` is in `counts`, which is not a known unit"),
-        (under("t,joint_0_pos,joint_1_pos,joint_2_pos,u1"), "", "have 3 numbers (0 to 2), but the robot needs only 2 columns"),
+        (under("t,joint_0_pos,joint_1_pos,joint_2_pos,u1"), "", "have 3 numbers (0 to 2), but the robot needs only 2."),
         (under("t,q1_count,q2_count,u1,u2"), "", "column `q1_count` is a position in count, but rad is expected here"),
         (under("t,q1,q2,u1"), "", "the header has 4 names (t, q1, q2, u1), but row 2 has 5 fields"),
         ("t,q1,q2,u1,u2\n".into(), "", "the file has no rows of numbers. It begins with `t,q1,q2,u1,u2`"),

@@ -313,7 +313,7 @@ fn joints_that_look_wrong_are_named() {
             "velocity unit",
             |_, j| j[0][1] *= DEG,
             &["velocity-disagrees"],
-            "the derivative is 0.01745 times the column. Velocities in deg/s would explain it",
+            "The derivative is 0.01745 times the column. Velocities in deg/s would explain it",
         ),
         ("other joint", |_, j| j[0][1] = j[1][1], &["velocity-disagrees"], "does not match"),
         ("no velocity", |_, j| j[0][1] = 0.0, &["velocity-disagrees"], "is zero although the joint moves"),

@@ -175,6 +175,6 @@ fn a_delay_that_joints_share_is_said_once() {
     report.refine(&[[-20.3e-3, 1e-4], [1e-3, 1e-4], [-20.3e-3, 1e-4]]);
     let notes = late(&report);
     assert_eq!(notes.len(), 2, "{notes:?}");
-    assert!(notes[0].starts_with("the efforts of joint 1, joint 3 come 2.0 ms before the positions;"));
-    assert!(notes[1].starts_with("joint joint 2: its effort comes 19.3 ms after its position;"), "{notes:?}");
+    assert!(notes[0].starts_with("the efforts of joint 1, joint 3 come 2.0 ms before the positions."));
+    assert!(notes[1].starts_with("joint joint 2: its effort comes 19.3 ms after its position."), "{notes:?}");
 }
