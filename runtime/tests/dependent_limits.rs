@@ -306,7 +306,10 @@ fn a_joint_that_follows_a_driven_one_is_judged_beside_its_motion() {
     assert!(is_of_rod, "{stopped}");
     let mpc = LtvMpc::new(away, motion, MpcOptions::new(&away, PERIOD, 5)).unwrap();
     let notes: Vec<String> = mpc.notes().iter().map(ToString::to_string).collect();
-    assert!(notes.iter().any(|note| note.contains("joint rod, because it follows a driven joint")), "{notes:?}");
+    assert!(
+        notes.iter().any(|note| note.contains("joint rod, because it follows a driven joint")),
+        "{notes:?}"
+    );
     assert_eq!(MpcRow::of_limits(&away), [] as [MpcRow<2, 2>; 0]);
 }
 

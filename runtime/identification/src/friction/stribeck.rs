@@ -348,8 +348,7 @@ mod tests {
         let words = report.result.stribeck.unwrap();
         assert!((words.static_friction.value - 5.0).abs() < 0.1, "{words:?}");
         assert!((words.stribeck_speed.value - 0.1).abs() < 0.01, "{words:?}");
-        let note =
-            report.result.settings.iter().find(|note| note.message.contains("Stribeck law was fitted"));
+        let note = report.result.settings.iter().find(|note| note.message.contains("the Stribeck law"));
         assert!(note.is_some_and(|note| note.message.contains("equal weights of all samples")), "{note:?}");
         // Friction that grows where Stribeck's falls, one that falls faster than it can be seen, and none that falls.
         for (excess, speed, reason) in

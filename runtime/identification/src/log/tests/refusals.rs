@@ -32,7 +32,7 @@ fn cases() -> Vec<(String, &'static str, &'static str)> {
                                                                                     joint1_position"),
         (under("t,q1,q2,u1,u2"), "position=q{}[grad]", "the unit `grad` is unknown. The known units are s, ms"),
         (under("t,q1 [Grad],q2 [Grad],u1,u2"), "", "`q1 [Grad]` is in `Grad`, which is a degree in German, but a gon"),
-        (under("t,q1_grad,q2_grad,u1,u2"), "", "use --columns 'position=…[deg]' or 'position=…[gon]'"),
+        (under("t,q1_grad,q2_grad,u1,u2"), "", "Use --columns 'position=…[deg]' or 'position=…[gon]'"),
         (under("t,q1,q2,u1,u2"), "position=q{}[Nm]", "column `q1` is a position in N*m, but rad is expected here"),
         (under("t,q1,q2,u1,u2"), "positon=q{}", "there is no quantity `positon`. The quantities are time, position"),
         (under("t,q1,q2,u1,u2"), "q{}", "this part does not have the form `QUANTITY=COLUMNS`"),
