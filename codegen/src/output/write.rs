@@ -74,7 +74,7 @@ impl fmt::Display for WriteError {
         match self {
             Self::System { source, .. } => source.fmt(f)?,
             Self::Read { read, .. } if path == read => {
-                f.write_str("it is the description")?;
+                f.write_str("it is an input of this command")?;
             }
             Self::Read { read, .. } => {
                 write!(f, "this file is {}, an input of this command", read.display())?;
@@ -300,7 +300,7 @@ mod tests {
         std::os::unix::fs::symlink("robot.toml", at("symbolic.rs")).unwrap();
         fs::hard_link(at("robot.toml"), at("hard.rs")).unwrap();
         let read = [at("robot.toml")];
-        let (same, linked) = ("it is the description", "robot.toml, an input of this command");
+        let (same, linked) = ("it is an input of this command", "robot.toml, an input of this command");
         for (name, said) in
             [("robot.toml", same), ("symbolic.rs", linked), ("hard.rs", linked), ("../robot.toml", same)]
         {
