@@ -1,8 +1,9 @@
 //! Public interface of the solver. It checks the sizes, selects the vector instructions and returns the solution.
 
-#[cfg(all(target_arch = "x86_64", feature = "std"))]
 use super::core::{Core, Start};
-use super::lanes::{Portable, lanes};
+use super::lanes::Portable;
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+use super::lanes::lanes;
 use super::problem::QpProblem;
 use super::status::{QpError, QpReport, QpSettings};
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
