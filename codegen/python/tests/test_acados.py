@@ -211,7 +211,7 @@ def test_limits_that_are_no_constant_bounds_are_told(tmp_path: Path) -> None:
 
 
 def test_robots_and_functions_that_there_are_not_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(gelenk.DescriptionError, match="functions for acados are not available, because joint"):
+    with pytest.raises(gelenk.DescriptionError, match="functions for acados are not available, because the motion of joint"):
         gelenk.acados(MODELS / "rail_arm.toml")
     with pytest.raises(gelenk.DescriptionError, match="acados needs the function `step_derivatives`"):
         gelenk.acados(MODELS / "ur5.toml", functions=["step", "input_matrix"])
