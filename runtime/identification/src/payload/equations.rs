@@ -327,7 +327,7 @@ impl<'a> Columns<'a> {
             regressor.fill(0.0);
             self.robot.inertial_regressor(&y, &v, &a, &mut regressor);
             self.robot.rigid_forces(&y, &v, &a, &mut forces);
-            for (j, matrix) in rows.iter_mut().enumerate().filter(|(j, _)| self.tells(*j, v[*j])) {
+            for (j, matrix) in rows.iter_mut().enumerate().filter(|(j, _)| self.tells(run, *j, i)) {
                 counts[j] += 1;
                 let w = &regressor[j * self.parameters..(j + 1) * self.parameters];
                 self.write(&mut matrix.row_mut(row), j, w, v[j], loaded);
@@ -337,10 +337,11 @@ impl<'a> Columns<'a> {
         rows.iter().zip(counts).map(|(m, rows)| Sums { gram: m.tr_mul(m), rows }).collect()
     }
 
-    /// Whether a sample of a joint contains information on the load: the force is known, and the joint moves fast enough that
-    /// static friction does not hold it.
-    fn tells(&self, joint: usize, velocity: f64) -> bool {
-        let slides = velocity.abs() > levels::STICKING.get() * self.speeds[joint];
+    /// Whether a sample of a joint contains information on the load: the force is known, and the joint moves, so that
+    /// static friction or a brake does not hold it.
+    fn tells(&self, run: &PreparedRun, joint: usize, sample: usize) -> bool {
+        let speed = run.velocities[joint][sample].abs();
+        let slides = speed > levels::STICKING.get() * self.speeds[joint] && !run.rests(joint, sample);
         self.known[joint] && (self.exact[joint] || slides)
     }
 

@@ -198,6 +198,27 @@ fn a_load_is_found_whatever_the_efforts_are() {
     );
 }
 
+/// A brake holds the last joint, and the recorded velocity of this joint is noise.
+#[test]
+fn the_effort_of_a_joint_at_rest_is_not_used() {
+    let truth = of(2.5, 0.15, [0.02, -0.03, 0.09]);
+    let braked = |seed: u64, load: &[f64; PER_BODY]| {
+        let mut run = Simulation { seed, moving: N - 1, ..LOG }.run(load);
+        let mut random = SplitMix64::new(seed);
+        run.velocities[N - 1].iter_mut().for_each(|v| *v = 2e-2 * random.normal());
+        run.efforts[N - 1].iter_mut().for_each(|effort| *effort = 0.05 * random.normal());
+        run.resting = (0..N).map(|joint| vec![joint == N - 1; run.times.len()]).collect();
+        run
+    };
+    let [without, with] = [braked(1, &NOTHING), braked(2, &truth)];
+    let settings = PayloadSettings::default();
+    let found = estimate(&UR5, slice::from_ref(&without), slice::from_ref(&with), &settings).unwrap();
+    let said = texts(&found.findings, Severity::Warning);
+    assert!(said.iter().any(|text| text.contains("[load-efforts-not-used]: wrist_3_joint")), "{said:?}");
+    let held = found.parameters.iter().zip(truth).filter(|(e, truth)| inside(e, *truth)).count();
+    assert!(held >= 8, "{held} {:?} {truth:?}", found.parameters);
+}
+
 #[test]
 fn what_the_motion_does_not_show_is_said() {
     // No load at all.
