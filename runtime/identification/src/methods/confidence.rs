@@ -82,7 +82,12 @@ impl Correlated {
         let independent = influences.iter().map(|series| series.iter().map(|x| x * x).sum::<f64>());
         Self {
             covariance: rescaled(covariance_of_sums(&influences, runs, block), &standard),
-            inflation: sums.iter().zip(independent).map(|(sum, alone)| sum.variance / alone).collect(),
+            inflation: sums
+                .iter()
+                .zip(independent)
+                .filter(|(_, alone)| *alone > 0.0)
+                .map(|(sum, alone)| sum.variance / alone)
+                .collect(),
             freedom: sums.iter().map(|sum| sum.freedom).fold(f64::INFINITY, f64::min),
             standard,
         }
