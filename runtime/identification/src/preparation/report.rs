@@ -66,7 +66,7 @@ fn low_passed(band: Band) -> Finding {
     let Band { frequency, order } = band;
     let message = format!(
         "the efforts seem to have passed a low-pass filter of {frequency:.3} Hz and order {order}, but the positions do not. The \
-         same filter is applied to the positions"
+         same filter is applied to the positions and the friction terms"
     );
     let help =
         "record efforts without a filter. With `--bandwidth`, no low-pass filter of the efforts is assumed";
