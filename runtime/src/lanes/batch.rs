@@ -91,6 +91,7 @@ pub(super) struct Batch<V, const N: usize, const M: usize> {
 
 impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
     pub fn new() -> Self {
+        const { assert!(V::WIDTH == WIDTH, "each lane has one robot") };
         let (zero, column) = ([[[V::zero(); N]; 2]; N], [[[V::zero()]]; N]);
         let (square, by_u) = ([[[V::zero(); N]]; N], [[[V::zero(); M]]; N]);
         Self {
