@@ -196,13 +196,13 @@ fn limits_beyond_a_torque_speed_line_are_told() {
             ", torque = 1.5",
             "",
             Severity::Warning,
-            "warning[beyond-stall-torque]: the torque of motor `arm` is 1.5 N m, but its stall torque allows at most 1.2 N m",
+            "warning[beyond-stall-torque]: the torque limit of motor `arm` is 1.5 N m, but its stall torque allows at most 1.2 N m",
         ),
         (
             ", torque = { nominal = 0.5, peak = 1.5 }",
             "",
             Severity::Note,
-            "note[beyond-stall-torque]: the peak torque of motor `arm` is 1.5 N m, but its stall torque allows at most 1.2 N m",
+            "note[beyond-stall-torque]: the peak torque limit of motor `arm` is 1.5 N m, but its stall torque allows at most 1.2 N m",
         ),
         (
             ", speed = 700",
@@ -325,7 +325,7 @@ fn the_rate_of_a_damped_ball_is_that_of_its_inertia() {
     let said = stiff(30.0).unwrap();
     assert!(
         said.contains(
-            "friction, dampers and springs change the velocity of `top_rx` at a rate of 1500 1/s at standstill"
+            "friction, dampers and springs of `top_rx` cause an eigenvalue of magnitude 1500 1/s at standstill"
         ),
         "{said}"
     );

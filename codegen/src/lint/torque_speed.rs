@@ -58,7 +58,7 @@ fn doubt_limits(name: &str, motor: &DriveDescription, report: &mut Report) {
     let told = |kind: &str, torque: f64| {
         let [torque, stall] = [torque, *stall_torque].map(as_written);
         format!(
-            "the {kind}torque of motor `{name}` is {torque} N m, but its stall torque allows at most {stall} N m"
+            "the {kind}torque limit of motor `{name}` is {torque} N m, but its stall torque allows at most {stall} N m"
         )
     };
     if let Some(torque) = beyond(motor.torque.nominal) {

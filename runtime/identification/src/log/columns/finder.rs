@@ -225,7 +225,7 @@ impl<'a> Finder<'a> {
         let (n, kind) = (targets.names.len(), kinds[0]);
         if n == 0 {
             return self.fault(format!(
-                "the log may not contain {}, because the description has no drives. Give the joints a drive, as in `drive = {{ \
+                "the description has no drives, so the columns cannot be {} of motors. Give the joints a drive, as in `drive = {{ \
                  gear_ratio = 100 }}`. If the efforts are torques at the joints, use --effort joint",
                 kind.plural()
             ));
