@@ -209,8 +209,8 @@ pub(super) struct Inspect {
     /// Print LaTeX (program and closed forms only)
     #[arg(long)]
     pub(super) latex: bool,
-    /// Print closed forms of M, k, q and B with symbolic parameters, for up to three joints. This needs a build
-    /// with the feature `symbolica`, and a licence of Symbolica for commercial use
+    /// Print closed forms of M, k, q and B with symbolic parameters, for up to three joints. This option
+    /// needs a build with the feature `symbolica`, and a licence of Symbolica for commercial use
     #[arg(long, conflicts_with_all = ["what", "functions", "scalar"])]
     pub(super) closed_form: bool,
     /// Write the closed forms to this file instead of standard output

@@ -69,7 +69,7 @@ fn doubt_limits(name: &str, motor: &DriveDescription, report: &mut Report) {
     } else if let Some(torque) = beyond(motor.torque.peak) {
         report.note(Some(*span), BEYOND_STALL.code, told("peak ", torque));
         report.help(
-            "the torque–speed line is the tighter limit unless the motor brakes, so the peak torque has no other effect",
+            "the torque–speed line is the tighter limit unless the motor brakes, so the peak torque limits only a braking motor",
         );
     }
     if let Some(speed) = motor.speed.as_ref().filter(|speed| speed.value > *no_load_speed) {

@@ -162,8 +162,8 @@ impl<'a> Finder<'a> {
             header.and_then(|h| h.odd.as_ref()).filter(|odd| named.is_none() && !self.is_described(odd));
         if let Some(odd) = odd {
             return Err(self.fault(format!(
-                "column {} is in `{odd}`, which is not a known unit. Give the unit with --columns '{}=…[UNIT]', also with a \
-                 factor, as in [0.0879 deg]. Known units: {}",
+                "column {} is in `{odd}`, which is not a known unit. Give the unit with --columns '{}=…[UNIT]', if necessary \
+                 with a factor, as in [0.0879 deg]. Known units: {}",
                 label,
                 kind.key(),
                 units::known_units()
