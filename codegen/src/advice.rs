@@ -76,8 +76,8 @@ fn stiff(model: &Model, functions: &[Function]) -> Option<Diagnostic> {
     }
     let joint = joints.get(coordinate)?.joint;
     let message = format!(
-        "friction, dampers and springs of `{}` cause an eigenvalue of magnitude {} 1/s at standstill{}; with {}, `step` is \
-         unstable for periods longer than {} ms",
+        "friction, dampers and springs give the motion of `{}` an eigenvalue of magnitude {} 1/s at standstill{}; with {}, \
+         `step` is unstable for periods longer than {} ms",
         joint.name,
         three_digits(rate),
         if joint.load_friction.is_empty() { "" } else { " with inputs at the effort limits" },
