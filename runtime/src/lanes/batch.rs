@@ -114,7 +114,7 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
 
     /// Computes the holds of up to `WIDTH` cases over `period` (s). Further cases are ignored.
     ///
-    /// - `turns`: whether the robots have matrices D, so they have quaternions
+    /// - `turns`: whether the robots have quaternions. Only then the matrix D ([`Case::drift`]) is used.
     pub fn hold(&mut self, cases: &[Case<N, M>], turns: bool, period: f64) -> &[Held<N, M>; WIDTH] {
         if let Some(last) = cases.len().min(WIDTH).checked_sub(1) {
             let cases = core::array::from_fn(|lane| &cases[lane.min(last)]);

@@ -209,7 +209,11 @@ fn pass(
     let mut robust = first.clone();
     for pass in 0..settings.robust_passes {
         let chosen = task.choose(&robust)?;
-        progress(&format!("Outliers get lower weights, pass {} of {}.", pass + 1, settings.robust_passes));
+        progress(&format!(
+            "Pass {} of {} reduces the weights of outliers.",
+            pass + 1,
+            settings.robust_passes
+        ));
         let offsets = chosen.offsets();
         let forces = task.forces(&chosen.values, &offsets);
         outlier = robust_deviations(layout, runs, &forces);

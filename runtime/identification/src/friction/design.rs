@@ -227,8 +227,8 @@ fn without_offsets(library: Library, data: &FrictionData) -> Result<(Library, Op
     }
     let out: Vec<&str> = out.iter().map(|i| library.terms()[*i].as_str()).collect();
     let message = format!(
-        "terms left out of the law, because they hardly change within a run: {}. Their contribution is part of the offset, which \
-         is not written: record motion in both directions, including slow motion",
+        "the law omits these terms, because they hardly change within a run: {}. The offset of each run contains their forces. \
+         Record motion in both directions, including slow motion",
         out.join(", ")
     );
     Ok((library.only(&kept)?, Some(HIDDEN.found(message))))
