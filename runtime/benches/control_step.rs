@@ -7,8 +7,8 @@
 //! periods; "bounded" counts only periods whose QP has active bounds, and "per iteration" divides their QP with
 //! its set-up by its iterations.
 //!
-//! The exact hold is computed over lanes, as the controller does ([`ZeroOrderHolds`]); the line "one by one" has the horizon with
-//! `discretize` of each stage, and the ratio of the two.
+//! The modules have lanes for `linearize`. The exact hold is computed over lanes, as the controller does ([`ZeroOrderHolds`]); the
+//! line "one by one" has the horizon with `discretize` of each stage, and the ratio of the two.
 //!
 //! Each robot's linear controller predicts by the exact zero-order hold and by the implicit midpoint rule; the line "midpoint
 //! to hold" has the ratios of whole steps, of bounded ones, of the horizon, and of the prediction of a stage alone.
@@ -36,12 +36,9 @@ const ENCODER_STEP: f64 = 1e-5;
 gelenk_runtime::dynamics!(
     struct PowerCube = gelenk_generated::powercube: Discretizable []
 );
-gelenk_runtime::dynamics!(
-    struct Panda = gelenk_generated::panda: Discretizable []
-);
-gelenk_runtime::dynamics!(
-    struct Ur5 = gelenk_generated::ur5: Discretizable []
-);
+gelenk_runtime::dynamics!(struct Panda = gelenk_test_robots::panda_over_lanes);
+gelenk_runtime::dynamics!(struct Ur5 = gelenk_test_robots::ur5_over_lanes);
+gelenk_runtime::dynamics!(struct Quadrotor = gelenk_test_robots::quadrotor_over_lanes);
 
 /// CPU time of this thread in microseconds.
 fn cpu_time() -> f64 {
@@ -366,7 +363,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let motion = RestToRest::new([0.0, -1.2, 1.0, -0.5, 0.5, 0.0], [1.0, -0.6, 1.6, -1.2, 1.0, 0.8], 0.5)?;
     let of_arm = options(&Ur5, [25.0, 60.0, 25.0, 4.0, 2.0, 1.0]);
     let arm = bench(&Case { name: "UR5", model: Ur5, motion, options: of_arm, substeps: 4 })?;
-    let (model, motion) = (flight::Quadrotor, flight::figure()?);
+    let (model, motion) = (Quadrotor, flight::figure()?);
     let of_flight = flight::options([10.0, 10.0]);
     let flight = bench(&Case { name: "quadrotor", model, motion, options: of_flight, substeps: 1 })?;
     println!(

@@ -11,7 +11,9 @@ pub(super) type Half<V, const N: usize> = Blocks<V, N, 2, N>;
 
 /// All entries of a matrix of blocks, row by row, as a mutable slice.
 #[inline(always)]
-pub(super) fn entries_mut<T, const N: usize, const B: usize, const C: usize>(blocks: &mut [[[T; C]; B]; N]) -> &mut [T] {
+pub(super) fn entries_mut<T, const N: usize, const B: usize, const C: usize>(
+    blocks: &mut [[[T; C]; B]; N],
+) -> &mut [T] {
     blocks.as_flattened_mut().as_flattened_mut()
 }
 

@@ -101,12 +101,7 @@ impl<V: Vector, const N: usize, const M: usize> Rollout<V, N, M> {
     }
 
     /// Processes stage `index` of a step of length `h` (s). `linear` are the robots at the states of the stage.
-    fn advance<const NY: usize>(
-        &mut self,
-        linear: [&Linearization<N, M, NY>; WIDTH],
-        index: usize,
-        h: f64,
-    ) {
+    fn advance<const NY: usize>(&mut self, linear: [&Linearization<N, M, NY>; WIDTH], index: usize, h: f64) {
         vectorized!(V, {
             self.accelerate(linear);
             let Self { start, stage: [y, v], end, acceleration, .. } = self;
@@ -142,7 +137,12 @@ impl<V: Vector, const N: usize, const M: usize> Rollout<V, N, M> {
         }
         let (rest, by_inputs) = (a.value, a.by_inputs);
         sum(&mut a.value, Start::Scaled(1.0, &rest), by_state, &[(0, &y.value), (1, &v.value)]);
-        sum(&mut a.by_inputs, Start::Scaled(1.0, &by_inputs), by_state, &[(0, &y.by_inputs), (1, &v.by_inputs)]);
+        sum(
+            &mut a.by_inputs,
+            Start::Scaled(1.0, &by_inputs),
+            by_state,
+            &[(0, &y.by_inputs), (1, &v.by_inputs)],
+        );
         sum(&mut a.by_state, Start::Zero, by_state, &[(0, &y.by_state), (1, &v.by_state)]);
     }
 
