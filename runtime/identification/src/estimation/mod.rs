@@ -50,6 +50,7 @@ pub(crate) use {
     intervals::correlation_time,
     prior::distance,
     residuals::{huber, robust_deviation},
+    result::CommonTerms,
     shares::{Columns, RunPiece, ShareSums, SharedData, SharedEstimate, Weighted, estimate_shares},
     sums::{FEWEST_MOTIONS, repeated_motions},
 };

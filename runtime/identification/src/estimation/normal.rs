@@ -111,9 +111,10 @@ impl<'a> Centred<'a> {
         rss.max(0.0)
     }
 
-    /// Offset of each run in a joint's force. A run without used samples has the common offset of all runs.
-    pub(super) fn offsets(&self, values: &Values, joint: usize) -> Vec<f64> {
-        self.offsets_without(None, &residual_vector(self.layout, values, joint), joint)
+    /// Offset of each joint and run. A run without used samples has the common offset of all runs.
+    pub(super) fn all_offsets(&self, values: &Values) -> Vec<Vec<f64>> {
+        let of_joint = |j: usize| self.offsets_without(None, &residual_vector(self.layout, values, j), j);
+        (0..self.layout.joints).map(of_joint).collect()
     }
 
     /// Sum of the squares of a joint's offsets, fitted without a fold, times the weight of the prior ([`Self::zeros`]).
