@@ -48,6 +48,7 @@ pub use settings::EstimationSettings;
 pub(crate) use {
     described::described_ratio,
     intervals::correlation_time,
+    normal::inverse,
     prior::distance,
     residuals::{huber, robust_deviation},
     result::CommonTerms,

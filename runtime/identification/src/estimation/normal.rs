@@ -334,6 +334,11 @@ impl Factor {
     }
 }
 
+/// The inverse of a symmetric positive definite matrix, with the errors of [`Factor::new`].
+pub(crate) fn inverse(a: &DMatrix<f64>) -> Result<DMatrix<f64>> {
+    Ok(Factor::new(a)?.solve(&DMatrix::identity(a.nrows(), a.nrows())))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -84,7 +84,7 @@ pub struct Estimate {
 }
 
 /// An estimated value with its confidence interval. The interval takes correlated residuals into account.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Uncertain {
     /// Estimated value.
     pub value: f64,
