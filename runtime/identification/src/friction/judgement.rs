@@ -39,9 +39,7 @@ impl Findings<'_> {
         self.judge(held_out, settings.least_r_squared);
         self.judge_unseen_speeds(&judged.law, data.fastest())?;
         let rms = (total / judged.residuals.len() as f64).sqrt();
-        let law = &judged.law;
-        let drift = drift(data, &data.torques_of(law)?, data.gradients_of(law)?, &judged.residuals);
-        self.all.extend(drift.iter().flat_map(|drift| drift.findings(data.unit, rms)));
+        self.all.extend(drift(data, &judged.law, &judged.residuals, rms)?);
         let [settings, findings] = self.parts();
         let result = FrictionResult {
             joint: data.joint.into(),
@@ -56,7 +54,6 @@ impl Findings<'_> {
             residual: (rss / judged.residuals.len() as f64).sqrt(),
             r_squared: if total > 0.0 { 1.0 - rss / total } else { 1.0 },
             held_out,
-            drift,
             data: data.data.into(),
             settings,
             findings,

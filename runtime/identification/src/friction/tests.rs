@@ -238,21 +238,15 @@ fn drift_is_shown_where_it_is_there() {
             .enumerate()
             .map(|(i, t)| t * (1.0 - factor * i as f64 / 6000.0) + slope * i as f64 / 6000.0)
             .collect();
-        let result = identify(&settings, &v, &changed).unwrap().result;
-        (result.drift.unwrap(), texts(&result.findings, Severity::Warning).join("; "))
+        texts(&identify(&settings, &v, &changed).unwrap().result.findings, Severity::Warning).join("; ")
     };
-    let (_, words) = drift(0.0, 0.0);
+    let words = drift(0.0, 0.0);
     assert!(!words.contains("drifts]"), "{words}");
-    let (warm, words) = drift(0.2, 0.0);
+    let words = drift(0.2, 0.0);
     // A fifth of the first value is 22 % of the middle one.
-    assert!((warm.friction.change + 0.222).abs() < 0.02, "{warm:?}");
     assert!(words.contains("[friction-drifts]: friction changes by -22."), "{words}");
-    let (offset, words) = drift(0.0, 1.0);
-    assert!(
-        (offset.offset.change - 1.0).abs() < 0.05
-            && words.contains("[offset-drifts]: the constant torque drifts by"),
-        "{words}"
-    );
+    let words = drift(0.0, 1.0);
+    assert!(words.contains("[offset-drifts]: the constant torque drifts by 1.0"), "{words}");
 }
 
 /// Errors that are correlated over a tenth of a second, as smoothing leaves them.
