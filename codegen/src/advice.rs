@@ -9,6 +9,7 @@ use crate::functions::{catalogue, selection};
 use crate::model::Model;
 use crate::rates::{self, Mode};
 use crate::wording::{list, three_digits};
+use gelenk_findings::counted;
 use gelenk_formula::Function as Call;
 
 /// Longest usual period of a control loop \[s\].
@@ -75,12 +76,12 @@ fn stiff(model: &Model, functions: &[Function]) -> Option<Diagnostic> {
     }
     let joint = joints.get(coordinate)?.joint;
     let message = format!(
-        "friction, dampers and springs change the velocity of `{}` at a rate of {} 1/s at standstill{}; \
-         with {substeps} substep{}, `step` is unstable for periods longer than {} ms",
+        "friction, dampers and springs give the motion of `{}` an eigenvalue of magnitude {} 1/s at standstill{}; with {}, \
+         `step` is unstable for periods longer than {} ms",
         joint.name,
         three_digits(rate),
         if joint.load_friction.is_empty() { "" } else { " with inputs at the effort limits" },
-        if substeps == 1 { "" } else { "s" },
+        counted(substeps, "substep", "substeps"),
         three_digits(1000.0 * longest),
     );
     let needed = |period: f64| (rate * period / UNSTABLE).ceil();

@@ -5,6 +5,7 @@
 //! [`Diagnostic`] has a copy of the source line, which terminal, build log and JSON show.
 
 use crate::remedies::remedy;
+use gelenk_findings::counted;
 pub use gelenk_findings::{Finding as Diagnostic, Location, Severity};
 pub(crate) use gelenk_formula::nearest;
 use std::fmt;
@@ -199,7 +200,7 @@ impl Report {
     /// All diagnostics. An error without a remedy gets the remedy of its code.
     pub fn finish(mut self) -> Diagnostics {
         if self.dropped > 0 {
-            let message = format!("{} more problems are not shown", self.dropped);
+            let message = counted(self.dropped, "more problem is not shown", "more problems are not shown");
             self.entries.push(Diagnostic::error("too-many-problems", message));
         }
         for entry in self.entries.iter_mut().filter(|entry| entry.severity == Severity::Error) {

@@ -196,13 +196,13 @@ fn limits_beyond_a_torque_speed_line_are_told() {
             ", torque = 1.5",
             "",
             Severity::Warning,
-            "warning[beyond-stall-torque]: the torque of motor `arm` is 1.5 N m, but its stall torque allows at most 1.2 N m",
+            "warning[beyond-stall-torque]: the torque limit of motor `arm` is 1.5 N m, but its stall torque allows at most 1.2 N m",
         ),
         (
             ", torque = { nominal = 0.5, peak = 1.5 }",
             "",
             Severity::Note,
-            "note[beyond-stall-torque]: the peak torque of motor `arm` is 1.5 N m, but its stall torque allows at most 1.2 N m",
+            "note[beyond-stall-torque]: the peak torque limit of motor `arm` is 1.5 N m, but its stall torque allows at most 1.2 N m",
         ),
         (
             ", speed = 700",
@@ -325,7 +325,7 @@ fn the_rate_of_a_damped_ball_is_that_of_its_inertia() {
     let said = stiff(30.0).unwrap();
     assert!(
         said.contains(
-            "friction, dampers and springs change the velocity of `top_rx` at a rate of 1500 1/s at standstill"
+            "friction, dampers and springs give the motion of `top_rx` an eigenvalue of magnitude 1500 1/s at standstill"
         ),
         "{said}"
     );
@@ -350,7 +350,7 @@ fn stiff_forces_are_noted_wherever_they_are_described() {
                on = { a = 1, b = 1 }\ngear_ratio = 100\nfriction = { viscous = 1 }\n\
                [[bodies]]\nlink = \"a\"\nmass = 1\ninertia = 0.1\n[[bodies]]\nlink = \"b\"\nmass = 1\ninertia = 0.1\n";
     let said = stiffness(two).unwrap();
-    assert!(said.contains("the velocity of `b` at a rate of 150000 1/s"), "{said}");
+    assert!(said.contains("the motion of `b` an eigenvalue of magnitude 150000 1/s"), "{said}");
     assert!(said.contains("unstable for periods longer than 0.0186 ms"), "{said}");
     let spring = |law: &str| {
         stiffness(&format!(
@@ -361,9 +361,9 @@ fn stiff_forces_are_noted_wherever_they_are_described() {
         ))
     };
     let said = spring("4e6*(l - 1)").unwrap();
-    assert!(said.contains("at a rate of 2000 1/s"), "{said}");
+    assert!(said.contains("an eigenvalue of magnitude 2000 1/s"), "{said}");
     let said = spring("2000*dl").unwrap();
-    assert!(said.contains("at a rate of 2000 1/s"), "{said}");
+    assert!(said.contains("an eigenvalue of magnitude 2000 1/s"), "{said}");
     assert_eq!(spring("100*(l - 1) + 10*dl"), None);
 }
 

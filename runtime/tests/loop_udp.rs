@@ -136,8 +136,8 @@ fn a_loop_does_not_start_without_a_plant() {
     assert!(errors >= tries && report.counts.missing == 0, "{report}");
     assert_eq!((report.counts.periods, report.brakes), (0, Brakes::Unknown), "{report}");
     let text = report.to_string();
-    let reason = "the start was refused: the program at the robot does not answer. Check that it runs, that it has the \
-                  same version, and its address; brakes unknown; check the robot";
+    let reason = "the start was refused: the program at the robot does not answer. Check that it runs, has the same \
+                  version and has the given address; brakes unknown; check the robot";
     assert!(text.starts_with(reason), "{text}");
     assert!(text.contains(&format!("{errors} transport errors")), "{text}");
 }

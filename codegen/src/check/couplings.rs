@@ -19,7 +19,8 @@ pub(super) struct Row {
 /// A ratio to a coordinate counts as 0 if it is at most this fraction of the sum of the magnitudes of the
 /// added products.
 const CANCELLED: f64 = 1e-12;
-const ADDED_UP: &str = "ratios are multiplied along each path of followed joints, and the paths are added";
+const ADDED_UP: &str =
+    "ratios are multiplied along each path of followed joints, and the products of the paths are added";
 
 /// The weighted sum of a joint or drive over coordinates, and the coordinates whose ratios add up to 0.
 struct Combined {
@@ -330,7 +331,7 @@ fn note_dry_friction(
         let message = format!("{what} `{}` {verb} several coordinates and has dry friction", name.value);
         report.note(Some(friction.span), "dry-follower", message);
         report.help(
-            "the runtime's plant rejects this robot, because it cannot simulate sticking of a sum of coordinates. Give the \
+            "the runtime's plant rejects this robot, because the plant cannot simulate sticking of a sum of coordinates. Give the \
              friction a `slope`, or use `--smooth-sign`",
         );
     }

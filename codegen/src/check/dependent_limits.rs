@@ -97,7 +97,8 @@ impl<'d> Limited<'d> {
                  that they do not enforce limits that depend on driven joints"
             }
             [_] => {
-                "the runtime narrows the limits of the followed joint. Control loop, predictive controllers and planned motions keep both"
+                "the runtime narrows the limits of the followed joint. Control loop, predictive controllers and planned motions keep \
+                 the limits of both joints"
             }
             _ => {
                 "the control loop brakes at these limits, and trajectory checks report violations. Predictive controllers keep \

@@ -87,7 +87,7 @@ fn check_drive(joint: &JointDescription, report: &mut Report) {
             format!("the motion and effort limits of driven joint `{name}` have no effect"),
         );
         report.help(
-            "only position limits have an effect, on the states of checks and self-tests. Remove the other limits",
+            "remove these limits. Only position limits have an effect: checks and self-tests use states within them",
         );
     }
 }

@@ -145,8 +145,8 @@ fn brakes(law: &Law<'_>, grid: &Grid, span: Span, report: &mut Report) {
         );
         report.error(span, "friction-drives", message);
         report.help(
-            "the law must have the sign of the velocity at every position within the limits. Make its factor positive, for \
-             example with a square, `abs` or an added constant",
+            "the law must have the sign of the velocity at every position within the limits. Make the position-dependent \
+             factor positive, for example with a square, `abs` or an added constant",
         );
     } else if driven.iter().all(|(_, is_driven)| *is_driven) {
         report.error(

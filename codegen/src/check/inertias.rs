@@ -112,9 +112,10 @@ impl Published<'_> {
             false => String::new(),
         };
         let message = format!(
-            "{} of {} moving bodies are not physical: {}. The model uses the published values{definite}",
+            "{} of {} moving bodies {} not physical: {}. The model uses the published values{definite}",
             self.findings.len(),
             self.moving,
+            if self.findings.len() == 1 { "is" } else { "are" },
             listed(entries),
         );
         report.warning(span_of(first.body), "unphysical-bodies", message);

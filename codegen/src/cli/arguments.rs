@@ -209,8 +209,8 @@ pub(super) struct Inspect {
     /// Print LaTeX (program and closed forms only)
     #[arg(long)]
     pub(super) latex: bool,
-    /// Print closed forms of M, k, q and B with symbolic parameters, for up to three joints. This needs a build
-    /// with the feature `symbolica`, and a licence of Symbolica for commercial use
+    /// Print closed forms of M, k, q and B with symbolic parameters, for up to three joints. This option
+    /// needs a build with the feature `symbolica`, and a licence of Symbolica for commercial use
     #[arg(long, conflicts_with_all = ["what", "functions", "scalar"])]
     pub(super) closed_form: bool,
     /// Write the closed forms to this file instead of standard output
@@ -312,8 +312,8 @@ pub(super) struct Identify {
     /// Logs that validate the results and are not used for the estimate; may be given several times
     #[arg(long, value_name = "LOG.csv", conflicts_with = "plan")]
     pub(super) validate: Vec<PathBuf>,
-    /// Logs of the robot with a load in its hand, in addition to logs without it: estimates the load, and writes a description
-    /// that contains the load [default: <NAME>_payload.toml]; may be given several times
+    /// Logs of the robot with a load in its hand, in addition to logs without the load. Estimates the load, and writes a
+    /// description that contains the load [default: <NAME>_payload.toml]; may be given several times
     #[arg(
         long,
         value_name = "LOG.csv",
@@ -358,7 +358,8 @@ pub(super) struct Identify {
         conflicts_with_all = ["plan", "merge", "report", "validate"]
     )]
     pub(super) reduce: bool,
-    /// Identify from files of moments instead of logs, or only add the files if --output is *.moments
+    /// Identify from files of moments instead of logs. If --output is *.moments, write the sum of the moments instead of a
+    /// description
     #[arg(
         long,
         conflicts_with_all = [

@@ -1,8 +1,8 @@
 //! The command `gelenk inspect --closed-form`, which prints the equations of motion as formulas with symbols.
 //!
-//! Symbolica prints a banner to standard output, and a second instance ends its process. Therefore the work
-//! runs in a separate process, whose standard output is redirected to standard error, so the printed results
-//! can be parsed. If the process ends without a result, a message is printed. The option `--output` needs no
+//! Symbolica prints a banner to standard output, and ends a process that starts a second instance. Therefore
+//! the work runs in a separate process, whose standard output is redirected to standard error, so the printed
+//! results can be parsed. If the process ends without a result, a message is printed. The option `--output` needs no
 //! separate process.
 
 use std::io;

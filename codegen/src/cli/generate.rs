@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use gelenk_findings::counted;
 use serde_json::{Value, json};
 
 use super::arguments::{Check, Format, Generate};
@@ -392,13 +393,13 @@ fn line(robot: &Generated, path: &Path, outcome: Outcome) -> String {
     let (n, m) = (robot.model.coordinates.len(), inputs(robot));
     let (paths, texts) = (files(robot, path).into_iter(), files(robot, path).into_iter());
     let paths = paths.map(|(path, _)| relative(&path));
-    let plural = |count: usize, noun: &str| format!("{count} {noun}{}", if count == 1 { "" } else { "s" });
+    let functions = robot.module.functions.len() + robot.module.compositions.len();
     format!(
         "{outcome} {}: {}, {}, {}, {} lines",
         paths.collect::<Vec<_>>().join(", "),
-        plural(n, "coordinate"),
-        plural(m, "input"),
-        plural(robot.module.functions.len() + robot.module.compositions.len(), "function"),
+        counted(n, "coordinate", "coordinates"),
+        counted(m, "input", "inputs"),
+        counted(functions, "function", "functions"),
         texts.map(|(_, text)| text.lines().count()).sum::<usize>(),
     )
 }

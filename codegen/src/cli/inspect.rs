@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use clap::ValueEnum;
+use gelenk_findings::counted;
 use gelenk_report::Table;
 use serde_json::{Map, Value, json};
 
@@ -194,13 +195,13 @@ fn model_text(model: &Model) -> String {
         count => format!(", {count} driven"),
     };
     format!(
-        "robot {}\n{description}\n{} links, {} coordinates{positions}{driven}, {} drives, {} frames, {} free parameters\n{}",
+        "robot {}\n{description}\n{}, {}{positions}{driven}, {}, {}, {}\n{}",
         model.name,
-        model.links.len(),
-        model.coordinates.len(),
-        model.drives.len(),
-        model.frames.len(),
-        model.parameters.len(),
+        counted(model.links.len(), "link", "links"),
+        counted(model.coordinates.len(), "coordinate", "coordinates"),
+        counted(model.drives.len(), "drive", "drives"),
+        counted(model.frames.len(), "frame", "frames"),
+        counted(model.parameters.len(), "free parameter", "free parameters"),
         tables_text(&report::tables(model))
     )
 }

@@ -1,8 +1,8 @@
 //! Lock for Symbolica. Without a key, Symbolica allows only one instance per machine. The lock is an advisory
 //! lock on a file that all users share.
 //!
-//! A second instance of Symbolica ends its process, and no error handling can prevent this. Programs that use
-//! this lock never start a second instance. Programs that use Symbolica without the lock, or that have
+//! If a process starts a second instance, Symbolica ends this process, and no error handling can prevent this.
+//! Programs that use this lock never start a second instance. Programs that use Symbolica without the lock, or that have
 //! another folder for temporary files, are not affected.
 
 use std::fs::{File, OpenOptions, TryLockError};

@@ -4,6 +4,7 @@
 use crate::diagnostic::{At, Report, Span};
 use crate::model::pose::{Rotation, from_quaternion, from_rpy, is_nearly_right, snapped};
 use crate::wording::{listed, three_digits};
+use gelenk_findings::counted;
 
 /// Largest difference \[rad\] between an angle and a multiple of 90° for which a note is printed.
 pub const NEARLY_RIGHT: f64 = 1e-4;
@@ -88,13 +89,12 @@ impl Angles {
             let distance = angle - snapped(*angle, NEARLY_RIGHT);
             format!("{owner} (off by {})", three_digits(distance))
         });
-        let count = self.near.len();
         let message = format!(
-            "{count} angle{} within 1e-4 rad of a multiple of 90°, but not equal to it: {}; rounding would \
-             set {} entries of rotation matrices to exactly 0 or ±1, which cost no operations",
-            if count == 1 { " is" } else { "s are" },
+            "{} within 1e-4 rad of a multiple of 90°, but not equal to it: {}; rounding would set {} of rotation \
+             matrices to exactly 0 or ±1, and products with these numbers cost no operations",
+            counted(self.near.len(), "angle is", "angles are"),
             listed(entries),
-            self.gained,
+            counted(self.gained, "entry", "entries"),
         );
         let help = "use `--snap-angles 1e-4` or the key `snap_angles = 1e-4`";
         report.note(Some(*first), NEARLY_RIGHT_ANGLE, message).help(help);

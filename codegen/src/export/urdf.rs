@@ -16,7 +16,7 @@ const UNLIMITED: f64 = 1e31;
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 const ROTOR: &str =
-    "has no rotors and gears. M lacks the rotor inertia, and inputs act at the joints, for the drives";
+    "has no rotors and gears. M lacks the rotor inertia, and inputs act at the joints instead of the drives";
 const IDEAL: &str = "cannot mark a joint without a drive. Most readers assume a drive at";
 const OTHER_FRICTION: &str =
     "has only viscous and dry friction. Other laws (Stribeck, tanh, position) are omitted at";

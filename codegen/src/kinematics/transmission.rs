@@ -109,9 +109,9 @@ impl<'g> Transmission<Scalar<'g>> {
         self.add_force(force, &mut matrix[row]);
     }
 
-    /// Adds a force along this motion that a unit of one coordinate's motion causes, and its mirror image, to
-    /// a symmetric matrix. `ratio · force` is added in the row and in the column of `coordinate`. If this
-    /// motion also follows that coordinate, the diagonal entry gets both.
+    /// Adds a force along this motion to a symmetric matrix. A unit of motion of `coordinate` causes this
+    /// force. `ratio · force` is added in the row and in the column of `coordinate`. If this motion also
+    /// follows `coordinate`, the diagonal entry gets both.
     pub fn add_coupling(&self, coordinate: usize, force: Scalar<'g>, matrix: &mut [Vec<Scalar<'g>>]) {
         self.add_row_entry(coordinate, force, matrix);
         self.add_column_entry(coordinate, force, matrix);

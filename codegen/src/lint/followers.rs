@@ -42,8 +42,8 @@ fn note_stillness(
     }
     let (name, carrying) = (&joint.name, &carrying.name);
     let message = format!(
-        "joint `{name}` cancels the motion of `{carrying}`, which carries it. The link of `{name}` does not move relative to the \
-         link that carries `{carrying}`"
+        "joint `{name}` cancels the motion of `{carrying}`, which carries `{name}`. The link of `{name}` does not move relative to \
+         the link that carries `{carrying}`"
     );
     let Some(described) = robot.joints.iter().find(|described| described.name.value == *name) else { return };
     report.push(Some(described.name.span), STANDS_STILL.found(message));

@@ -196,7 +196,7 @@ fn warn_of_drive(
             force.name.value
         );
         report.push(Some(law.span), DRIVING_FORCE.found(message));
-        report.help("a positive force pulls together: a damper is `40*dl`, not `-40*dl`");
+        report.help("a positive force pulls the ends together: a damper is `40*dl`, not `-40*dl`");
     }
 }
 

@@ -86,5 +86,5 @@ fn check_levers(
         return;
     }
     report.error(input.wrench.span, MOVES_NOTHING.code, message);
-    report.help(format!("{help}: correct `wrench` or `frame`, or remove the input"));
+    report.help(format!("{help}. Correct `wrench` or `frame`, or remove the input"));
 }

@@ -64,6 +64,6 @@ fn warn_of_singular(span: Span, motions: &[String], report: &mut Report) {
     let message = format!("the mass matrix is singular: no inertia moves with {motions}");
     report.push(Some(span), SINGULAR.found(message));
     report.help(
-        "give the links that move there mass or inertia, give the drives rotor inertia, or fix or hold the joints",
+        "give mass or inertia to the links that these joints move, give rotor inertia to the drives, or fix or hold the joints",
     );
 }

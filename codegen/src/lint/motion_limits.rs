@@ -48,8 +48,8 @@ fn narrow_by_motor(name: &str, speed: &At<f64>, model: &mut Model, report: &mut 
         let message = format!("motor `{name}` has a speed limit, but its ratio is a free parameter");
         report.error(speed.span, "speed-of-free-ratio", message);
         report.help(
-            "give the ratio as a number, or limit the joint's `velocity`. A motor's speed limit becomes that of a joint only with \
-             a known ratio",
+            "give the ratio as a number, or limit the joint's `velocity`. The speed limit of a motor limits a joint only if the \
+             ratio is known",
         );
         return;
     };

@@ -29,7 +29,7 @@ pub(super) fn warn(robot: &RobotDescription, model: &Model, report: &mut Report)
             "a rotor of {} kg m² was skipped because {}. The mass matrix M lacks i² J = {} kg m²{}",
             as_written(inertia),
             match (rotor.joints.len(), rotor.ratios.len()) {
-                (1, 1) => "its joint is not a coordinate with one position",
+                (1, 1) => "its joint has no coordinate of its own, or has a quaternion",
                 (1, 0) => "its transmission has no gear ratio",
                 (1, _) => "its transmission has several gear ratios",
                 _ => "its transmission does not have exactly one joint",

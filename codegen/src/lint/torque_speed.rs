@@ -58,7 +58,7 @@ fn doubt_limits(name: &str, motor: &DriveDescription, report: &mut Report) {
     let told = |kind: &str, torque: f64| {
         let [torque, stall] = [torque, *stall_torque].map(as_written);
         format!(
-            "the {kind}torque of motor `{name}` is {torque} N m, but its stall torque allows at most {stall} N m"
+            "the {kind}torque limit of motor `{name}` is {torque} N m, but its stall torque allows at most {stall} N m"
         )
     };
     if let Some(torque) = beyond(motor.torque.nominal) {
@@ -69,7 +69,7 @@ fn doubt_limits(name: &str, motor: &DriveDescription, report: &mut Report) {
     } else if let Some(torque) = beyond(motor.torque.peak) {
         report.note(Some(*span), BEYOND_STALL.code, told("peak ", torque));
         report.help(
-            "the torque–speed line is the tighter limit unless the motor brakes, so the peak torque has no other effect",
+            "the torque–speed line is the tighter limit unless the motor brakes, so the peak torque limits only a braking motor",
         );
     }
     if let Some(speed) = motor.speed.as_ref().filter(|speed| speed.value > *no_load_speed) {

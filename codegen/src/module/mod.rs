@@ -33,7 +33,8 @@ pub struct Module {
     pub joint_positions: Vec<usize>,
     /// Constants of the robot: names, units, limits, drives and gravity.
     pub constants: Vec<Constant>,
-    /// Free parameters. If the robot has free parameters, they are an argument of every function.
+    /// Free parameters. They are an argument of all functions except the functions of positions with
+    /// quaternions, for example `integrate`.
     pub parameters: Vec<Parameter>,
     /// Functions with their own program. Each is printed after the constants that document it.
     pub functions: Vec<Function>,

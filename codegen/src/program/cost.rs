@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::{Operation, Program};
+use gelenk_findings::counted;
 use gelenk_formula::Function;
 
 /// Operation counts of a program.
@@ -66,14 +67,13 @@ impl core::ops::Mul<usize> for Cost {
 
 impl fmt::Display for Cost {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let count = |n: usize, noun: &str| format!("{n} {noun}{}", if n == 1 { "" } else { "s" });
         write!(
             f,
             "{}, {}, {}, {}",
-            count(self.multiplications, "multiplication"),
-            count(self.additions, "addition"),
-            count(self.divisions, "division"),
-            count(self.calls(), "function call"),
+            counted(self.multiplications, "multiplication", "multiplications"),
+            counted(self.additions, "addition", "additions"),
+            counted(self.divisions, "division", "divisions"),
+            counted(self.calls(), "function call", "function calls"),
         )?;
         if self.sin_cos > 0 && self.other_calls > 0 {
             write!(f, " ({} `sin_cos`, {} other)", self.sin_cos, self.other_calls)?;
@@ -81,7 +81,7 @@ impl fmt::Display for Cost {
             f.write_str(" (`sin_cos`)")?;
         }
         if self.selections > 0 {
-            write!(f, ", {}", count(self.selections, "selection"))?;
+            write!(f, ", {}", counted(self.selections, "selection", "selections"))?;
         }
         Ok(())
     }

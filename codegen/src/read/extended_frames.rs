@@ -4,10 +4,10 @@ use crate::description::{FrameDescription, RobotDescription};
 use crate::function_names::FrameKind;
 use crate::model::name::identifier;
 
-/// Replaces the frames of the base description by the frames of the extension. A frame of the base is kept if
-/// a force, an input, a wrench or a requested function names it.
+/// Replaces the frames of the extended description by the frames of the extension. A frame of the extended
+/// description is kept if a force, an input, a wrench or a requested function names it.
 ///
-/// - `whole`: base description with the extension, except the frames of the extension
+/// - `whole`: extended description with the extension, except the frames of the extension
 pub(super) fn replace(whole: &mut RobotDescription, frames: Vec<FrameDescription>) {
     if frames.is_empty() {
         return;

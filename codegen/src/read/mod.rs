@@ -409,7 +409,7 @@ fn read_base(
     }
 }
 
-/// Returns the base description with the changes of the extension.
+/// Returns the extended description with the changes of the extension.
 fn extend(mut base: RobotDescription, extension: RobotDescription, report: &mut Report) -> RobotDescription {
     let joints = index(base.joints.iter().map(|joint| &joint.name));
     for joint in extension.joints {
@@ -442,8 +442,8 @@ fn extend(mut base: RobotDescription, extension: RobotDescription, report: &mut 
     whole
 }
 
-/// Extends a base description. If the base link is freed, its floating joint is added first, so that the
-/// extension can refer to the joint.
+/// Applies an extension to the description that it extends. If the base link is freed, its floating joint is
+/// added first, so that the extension can refer to the joint.
 fn extend_freed(
     mut base: RobotDescription,
     mut extension: RobotDescription,
@@ -548,7 +548,7 @@ fn add_joint(
     report: &mut Report,
 ) {
     if joint.parent.is_none() {
-        let message = format!("the base description has no joint `{}`", joint.name.value);
+        let message = format!("the file that `extends` or `urdf` names has no joint `{}`", joint.name.value);
         report.error(joint.name.span, "unknown-joint", message);
         let near = nearest(&joint.name.value, known.keys().map(String::as_str));
         report.help(format!("a new joint needs `parent`; {}", near.unwrap_or_default()));

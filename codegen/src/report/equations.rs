@@ -1,5 +1,6 @@
 //! Typeset equations on the page of a robot.
 
+use gelenk_findings::counted;
 use gelenk_report::{Block, Cell, Equation, Inline, ReportError, Table, code, plain, text};
 
 use super::robot::Robot;
@@ -144,9 +145,8 @@ pub(super) fn program(robot: &Robot<'_>, function: &Function) -> Vec<Block> {
     };
     let mut blocks = vec![heading];
     if count > 0 {
-        let plural = if count == 1 { "abbreviation" } else { "abbreviations" };
         blocks.push(Block::Details {
-            summary: vec![Inline::Text(format!("{count} {plural}"))],
+            summary: vec![Inline::Text(counted(count, "abbreviation", "abbreviations"))],
             is_open: count <= MOST_OPEN,
             blocks: vec![Block::Abbreviations(abbreviations)],
         });

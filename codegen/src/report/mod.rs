@@ -111,7 +111,7 @@ fn driven(robot: &Robot<'_>) -> Option<String> {
     (!names.is_empty()).then(|| {
         format!(
             "The motion of {} is prescribed: its position, velocity and acceleration are the argument $d$ \
-             of all functions below.",
+             of the functions below.",
             names.join(", ")
         )
     })

@@ -388,7 +388,7 @@ pub(super) fn parameters(robot: &Robot<'_>) -> Option<Table> {
     }
     let table = Table::new(
         "free-parameters",
-        "Free parameters: fields of `Parameters`, which every generated function takes.",
+        "Free parameters: fields of `Parameters`, an argument of the generated functions.",
     )
     .column("name", "name", "")
     .column("described value", "described value", "")

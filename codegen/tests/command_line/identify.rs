@@ -269,7 +269,7 @@ fn a_planned_motion_identifies_what_a_simulated_arm_is() {
     let said = String::from_utf8(failed.stderr.clone()).unwrap();
     let place = |words: &str| said.find(words).unwrap_or_else(|| panic!("{words}: {said}"));
     assert!(
-        place("1 samples have the same time as the sample before")
+        place("1 sample has the same time as the sample before")
             < place("error[unusable-input]: missing.csv"),
         "{said}"
     );

@@ -47,7 +47,7 @@ fn is_progress(line: &str) -> bool {
         "comparing the logs",
         "The equations of motion are",
         "Friction terms",
-        "Outliers",
+        "Pass ",
         "Intervals are",
         "Other explanations",
     ];

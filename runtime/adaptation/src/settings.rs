@@ -146,6 +146,8 @@ pub enum AdaptationError {
     )]
     Origin(&'static str),
     /// A saved number of a joint is not valid. The value is the index of the first number of this joint in the saved state.
-    #[error("the saved state is not valid: a number of the joint that begins at index {0} is out of range")]
+    #[error(
+        "the saved state is not valid. The numbers of one joint begin at index {0} (counted from 0), and one of them is out of range"
+    )]
     Number(usize),
 }

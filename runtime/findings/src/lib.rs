@@ -281,6 +281,14 @@ impl fmt::Display for Finding {
     }
 }
 
+/// Returns a number with its noun or phrase: `1 row` or `3 rows`.
+///
+/// - `one`: text after the number 1
+/// - `many`: text after any other number
+pub fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}
+
 /// Removes duplicates. If several findings about a part of the robot have the same rule and place, only the
 /// last one is kept.
 pub fn distinct(findings: impl IntoIterator<Item = Finding>) -> Vec<Finding> {
@@ -298,4 +306,15 @@ pub fn distinct(findings: impl IntoIterator<Item = Finding>) -> Vec<Finding> {
 /// Returns the texts of the findings with this severity.
 pub fn texts(findings: &[Finding], severity: Severity) -> Vec<String> {
     findings.iter().filter(|finding| finding.severity == severity).map(ToString::to_string).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::counted;
+
+    #[test]
+    fn only_one_is_singular() {
+        let rows = [0, 1, 2].map(|count| counted(count, "row is left out", "rows are left out"));
+        assert_eq!(rows, ["0 rows are left out", "1 row is left out", "2 rows are left out"]);
+    }
 }

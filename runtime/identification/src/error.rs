@@ -14,10 +14,10 @@ const UNUSABLE: Rule = Rule::error("unusable-input");
 /// Error of an identification step. The message names the quantity, its value and, if known, a remedy.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum IdentificationError {
-    /// There are no samples.
+    /// A list that needs at least one entry is empty, for example the list of samples, runs or friction terms.
     #[error("{what} is empty, but it needs at least one entry")]
     Empty {
-        /// Name of the quantity that has no samples.
+        /// Name of the empty list.
         what: String,
     },
     /// A value that must be a number is NaN or infinite.

@@ -21,8 +21,8 @@ pub enum GeometryError {
     },
     /// The pose is not a product of rotations about six axes.
     #[error(
-        "the pose function is not that of six revolute joints in series with the frame on the last link. Poses differ by up to \
-         {error} (position in m, or entry of the rotation matrix)"
+        "the pose function does not describe the last link of six revolute joints in series. Poses differ by up to {error} \
+         (position in m, or entry of the rotation matrix)"
     )]
     NotSerial {
         /// Largest difference of positions (m) or of entries of the rotation matrix.

@@ -1,7 +1,7 @@
 //! Zero-order holds of several robots at a time. Each number (lane) of a vector belongs to one robot.
 
 use super::packed::{pack, unpack};
-use super::product::{Blocks, Half, Start, sum};
+use super::product::{Blocks, Half, Start, entries, entries_mut, sum};
 #[cfg(not(feature = "std"))]
 use crate::no_std::*;
 use crate::qp::lanes::{Vector, WIDTH, flat, flat_mut, largest, vectorized};
@@ -114,7 +114,7 @@ impl<V: Vector, const N: usize, const M: usize> Batch<V, N, M> {
 
     /// Computes the holds of up to `WIDTH` cases over `period` (s). Further cases are ignored.
     ///
-    /// - `turns`: whether the robots have matrices D, so they have quaternions
+    /// - `turns`: whether the robots have quaternions. Only then the matrix D ([`Case::drift`]) is used.
     pub fn hold(&mut self, cases: &[Case<N, M>], turns: bool, period: f64) -> &[Held<N, M>; WIDTH] {
         if let Some(last) = cases.len().min(WIDTH).checked_sub(1) {
             let cases = core::array::from_fn(|lane| &cases[lane.min(last)]);
@@ -434,16 +434,4 @@ fn norm<V: Vector, const N: usize, const B: usize>(blocks: &Blocks<V, N, B, N>) 
         largest = largest.fast_max(sum);
     }
     largest
-}
-
-/// All entries of a matrix of blocks, row by row, as a mutable slice.
-#[inline(always)]
-fn entries_mut<T, const N: usize, const B: usize, const C: usize>(blocks: &mut [[[T; C]; B]; N]) -> &mut [T] {
-    blocks.as_flattened_mut().as_flattened_mut()
-}
-
-/// All entries of a matrix of blocks, row by row, as a slice.
-#[inline(always)]
-fn entries<T, const N: usize, const B: usize, const C: usize>(blocks: &[[[T; C]; B]; N]) -> &[T] {
-    blocks.as_flattened().as_flattened()
 }

@@ -8,6 +8,8 @@ pub(crate) mod batch;
 mod hold;
 mod packed;
 mod product;
+#[cfg(feature = "std")]
+pub(crate) mod rollout;
 #[cfg(test)]
 mod tests;
 

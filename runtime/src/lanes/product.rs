@@ -9,6 +9,20 @@ pub(super) type Blocks<V, const N: usize, const B: usize, const C: usize> = [[[V
 /// Upper or lower half of a matrix that acts on the state (y, ẏ). Each row has a left and a right block.
 pub(super) type Half<V, const N: usize> = Blocks<V, N, 2, N>;
 
+/// All entries of a matrix of blocks, row by row, as a mutable slice.
+#[inline(always)]
+pub(super) fn entries_mut<T, const N: usize, const B: usize, const C: usize>(
+    blocks: &mut [[[T; C]; B]; N],
+) -> &mut [T] {
+    blocks.as_flattened_mut().as_flattened_mut()
+}
+
+/// All entries of a matrix of blocks, row by row, as a slice.
+#[inline(always)]
+pub(super) fn entries<T, const N: usize, const B: usize, const C: usize>(blocks: &[[[T; C]; B]; N]) -> &[T] {
+    blocks.as_flattened().as_flattened()
+}
+
 /// First term of a sum.
 #[derive(Clone, Copy)]
 pub(super) enum Start<'a, V, const N: usize, const B: usize, const C: usize> {

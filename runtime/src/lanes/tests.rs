@@ -2,7 +2,10 @@
 
 use super::ZeroOrderHolds;
 use super::batch::{Case, Held};
-use crate::dynamics::{Differentiable, Discretizable, Discretization, Linearization};
+use super::rollout::{Rollouts, TOGETHER};
+use crate::driven::DrivenRobot;
+use crate::dynamics::{Differentiable, Discretizable, Discretization, Linearization, Point, Step};
+use crate::trajectory::RestToRest;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -10,6 +13,7 @@ gelenk_dynamics::dynamics!(struct PowerCube = gelenk_generated::powercube);
 gelenk_dynamics::dynamics!(struct CartPole = gelenk_generated::cart_pole);
 gelenk_dynamics::dynamics!(struct Ur5 = gelenk_generated::ur5);
 gelenk_dynamics::dynamics!(struct Panda = gelenk_generated::panda);
+gelenk_dynamics::dynamics!(struct RailArm { driven } = gelenk_generated::rail_arm);
 gelenk_dynamics::dynamics!(struct Quadrotor = gelenk_generated::quadrotor);
 gelenk_dynamics::dynamics!(struct Satellite = gelenk_generated::satellite);
 
@@ -237,4 +241,63 @@ fn nothing_is_done_for_no_robots() {
     assert_eq!(results[3], kept);
     ZeroOrderHolds::new().discretize(&linear, None, 0.02, &mut results[..1]);
     assert_near(&results[0], &linear[0].discretize(0.02));
+}
+
+fn integrated<D, const N: usize, const M: usize>(model: &D, starts: &[Point<N, M>]) -> Vec<Step<N, M>>
+where
+    D: Discretizable<N, M>,
+{
+    Rollouts::new().integrate(model, starts.iter().copied(), 0.02, D::SUBSTEPS).to_vec()
+}
+
+fn integrations_are_those_of_single_robots<D, const N: usize, const M: usize>(model: D)
+where
+    D: Discretizable<N, M>,
+{
+    let mut numbers = ChaCha8Rng::seed_from_u64(7);
+    let starts: Vec<Point<N, M>> = (0..TOGETHER + 1)
+        .map(|k| Point {
+            time: 0.1 * k as f64,
+            positions: random(&mut numbers, 1.5),
+            velocities: random(&mut numbers, 2.0),
+            inputs: random(&mut numbers, 1.0),
+        })
+        .collect();
+    for count in [1, 4, 5, TOGETHER] {
+        let found = integrated(&model, &starts[..count]);
+        assert_eq!(found.len(), count);
+        for (found, start) in found.iter().zip(&starts) {
+            assert_eq!(*found, integrated(&model, &[*start])[0], "a group equals single robots bit for bit");
+            let Point { time, positions, velocities, inputs } = start;
+            let expected =
+                model.at_time(*time, |model| model.step_derivatives(positions, velocities, inputs, 0.02));
+            assert!(expected.is_finite());
+            assert_blocks_near(&found.coordinates, &expected.coordinates, 0.0);
+            assert_blocks_near(&found.velocities, &expected.velocities, 0.0);
+            for half in 0..2 {
+                for block in 0..2 {
+                    let expected = expected.state[half][block].as_flattened();
+                    assert_blocks_near(found.state[half][block].as_flattened(), expected, 1.0);
+                }
+                let expected = expected.input[half].as_flattened();
+                assert_blocks_near(found.input[half].as_flattened(), expected, 0.0);
+            }
+        }
+    }
+    assert_eq!(integrated(&model, &starts).len(), TOGETHER, "further robots are ignored");
+    let mut with_nan = starts[..3].to_vec();
+    with_nan[1].velocities[0] = f64::NAN;
+    let (found, alone) = (integrated(&model, &with_nan), integrated(&model, &starts[..3]));
+    assert!(!found[1].is_finite());
+    assert_eq!([found[0], found[2]], [alone[0], alone[2]], "the other robots are not concerned");
+}
+
+#[test]
+fn integrations_of_arms_are_those_of_single_robots() {
+    integrations_are_those_of_single_robots(PowerCube);
+    integrations_are_those_of_single_robots(CartPole);
+    integrations_are_those_of_single_robots(Ur5);
+    integrations_are_those_of_single_robots(Panda);
+    let rail = RestToRest::new([-0.5], [0.5], 1.5).unwrap();
+    integrations_are_those_of_single_robots(DrivenRobot::new(RailArm::default(), rail));
 }

@@ -44,7 +44,7 @@ pub enum MpcError {
     },
     /// A motor has a torque–speed line, which limits its torque at high speed, but a row for this line is missing.
     #[error(
-        "motor {} has a torque–speed line, but no row of the MPC ensures it. Add `.with_rows(MpcRow::of_limits(&robot))` to the \
+        "motor {} has a torque–speed line, but no row of the MPC enforces it. Add `.with_rows(MpcRow::of_limits(&robot))` to the \
          options, or a row with the name of this motor",
         Named(.motor)
     )]

@@ -7,8 +7,9 @@ use super::integrate::{Span, integrate};
 use super::node::{Node, Prediction};
 use super::options::MpcOptions;
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle};
-use crate::dynamics::{Discretizable, PhaseSpace};
+use crate::dynamics::{Discretizable, PhaseSpace, Point, Step};
 use crate::feed_forward::FeedForwardError;
+use crate::lanes::rollout::{Rollouts, TOGETHER};
 use crate::trajectory::Trajectory;
 
 /// Nonlinear MPC by multiple shooting with Runge–Kutta integration and exact sensitivities. Each period makes one
@@ -30,6 +31,7 @@ pub struct Nmpc<
     const NY: usize = N,
 > {
     horizon: Horizon<D, T, N, M, NX, NR, NY>,
+    rollouts: Rollouts<N, M, NY>,
     /// Time at which the prepared horizon begins (s); NaN if no horizon is prepared.
     prepared: f64,
 }
@@ -49,7 +51,8 @@ where
     where
         D: PhaseSpace<NX>,
     {
-        Ok(Self { horizon: Horizon::new(model, trajectory, options)?, prepared: f64::NAN })
+        let horizon = Horizon::new(model, trajectory, options)?;
+        Ok(Self { horizon, rollouts: Rollouts::new(), prepared: f64::NAN })
     }
 
     delegated_methods!();
@@ -81,20 +84,29 @@ where
         self.prepared = start;
     }
 
+    /// Integrates the stages of arms together, and those of robots with quaternions one by one.
     fn set_stages(&mut self, start: f64) {
-        let horizon = &mut self.horizon;
-        for k in 0..horizon.options.horizon {
-            let (at, u) = horizon.planned_point(k);
-            let (period, substeps) = (horizon.options.period, horizon.substeps);
-            let span = Span { start: start + k as f64 * period, period, substeps };
-            let step = integrate(horizon.model(), &at.positions, &at.velocities, &u, span);
-            let prediction = Prediction {
-                state: &step.state,
-                input: &step.input,
-                next: Node { positions: step.coordinates, velocities: step.velocities },
-                at: (at, u),
-            };
-            horizon.set_stage(k, &prediction);
+        let Self { horizon, rollouts, .. } = self;
+        let (stages, period, substeps) = (horizon.options.horizon, horizon.options.period, horizon.substeps);
+        let time = |k: usize| start + k as f64 * period;
+        if N != NY {
+            for k in 0..stages {
+                let (at, u) = horizon.planned_point(k);
+                let span = Span { start: time(k), period, substeps };
+                let step = integrate(horizon.model(), &at.positions, &at.velocities, &u, span);
+                horizon.set_integrated_stage(k, &step);
+            }
+            return;
+        }
+        for first in (0..stages).step_by(TOGETHER) {
+            let starts = (first..stages).map(|k| {
+                let (Node { positions, velocities }, inputs) = horizon.planned_point(k);
+                Point { time: time(k), positions, velocities, inputs }
+            });
+            let steps = rollouts.integrate(horizon.model(), starts, period, substeps * D::SUBSTEPS);
+            for (k, step) in (first..).zip(steps) {
+                horizon.set_integrated_stage(k, step);
+            }
         }
     }
 
@@ -110,6 +122,24 @@ where
         }
         self.prepared = f64::NAN;
         self.horizon.solve(start, &state)
+    }
+}
+
+impl<D, T, const N: usize, const M: usize, const NX: usize, const NR: usize, const NY: usize>
+    Horizon<D, T, N, M, NX, NR, NY>
+where
+    D: Discretizable<N, M, NY>,
+    T: Trajectory<N, NY>,
+{
+    /// Sets stage `k` to the integration of the plan over this period.
+    fn set_integrated_stage(&mut self, k: usize, step: &Step<N, M, NY>) {
+        let prediction = Prediction {
+            state: &step.state,
+            input: &step.input,
+            next: Node { positions: step.coordinates, velocities: step.velocities },
+            at: self.planned_point(k),
+        };
+        self.set_stage(k, &prediction);
     }
 }
 

@@ -119,9 +119,9 @@ impl fmt::Display for MpcNote {
             ),
             Self::Alternating { joint, share } => write!(
                 f,
-                "friction of joint {} at rest is too steep for the implicit midpoint rule. It predicts that a small velocity is \
-                 multiplied by {share:.2} in each period. Use the exact zero-order hold (`prediction`), a smoother control model, \
-                 or a shorter period",
+                "friction of joint {} at rest is too steep for the implicit midpoint rule. The rule predicts that a small \
+                 velocity is multiplied by {share:.2} in each period. Use the exact zero-order hold (`prediction`), a smoother \
+                 control model, or a shorter period",
                 Named(joint)
             ),
             Self::Terminal { time, residual } => write!(

@@ -2,9 +2,9 @@
 
 use thiserror::Error;
 
-/// Status of a solve. The status follows from the residuals of the returned point. Its inputs are within their bounds, and
-/// its states are computed from the inputs. Cost and gradient are computed from the data of the problem. A number that is
-/// not finite counts as a failure.
+/// Status of a solve. The status follows from the residuals of the returned point. The inputs of this point are within
+/// their bounds, and its states are computed from the inputs. Cost and gradient are computed from the data of the problem. A
+/// number that is not finite counts as a failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum QpStatus {
     /// The returned point is optimal within the tolerances of [`QpSettings`]. The hard bounds are kept, also if the states
@@ -23,8 +23,8 @@ pub enum QpStatus {
     /// no point keeps the bounds, it is the point with the smallest residuals. The inputs keep their bounds. The KKT
     /// residuals show the distance from the optimum.
     IterationLimit,
-    /// The data are not a convex QP with finite numbers and no lower bound above its upper bound, or the arithmetic
-    /// failed. The returned inputs are the values nearest to zero within the bounds.
+    /// The QP is not convex, a number is not finite, a lower bound is above its upper bound, or the arithmetic failed. The
+    /// returned inputs are the values nearest to zero within the bounds.
     Invalid,
 }
 

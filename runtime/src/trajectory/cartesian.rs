@@ -50,7 +50,7 @@ pub enum CartesianError {
     },
     /// A joint would have to jump on the straight path to a pose, because the path is close to a singularity.
     #[error(
-        "on the straight path to pose {} joint {} would turn by {step} rad in one sample at {time} s, because the path is close \
+        "on the straight path to pose {}, joint {} would turn by {step} rad in one sample at {time} s, because the path is close \
          to a singularity. Choose another path or a motion in joint space",
         .pose + 1,
         .joint + 1

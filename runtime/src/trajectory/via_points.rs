@@ -104,7 +104,7 @@ impl<const N: usize> ViaPoints<N> {
             return Err(TrajectoryError::OutOfRange {
                 what: "the ratio of a speed or acceleration to its limit",
                 value: beyond.iter().copied().fold(0.0, f64::max),
-                range: "at most 1, because the distances between the points differ by too many orders of magnitude",
+                range: "at most 1. The distances between the points differ by too many orders of magnitude",
             });
         }
         let passed = |spans: &[f64]| {

@@ -59,7 +59,7 @@ pub enum TransportError {
     Restarted,
     /// The program on the robot's side does not answer.
     #[error(
-        "the program at the robot does not answer. Check that it runs, that it has the same version, and its address"
+        "the program at the robot does not answer. Check that it runs, has the same version and has the given address"
     )]
     NoAnswer,
     /// The operating system failed to send or receive.

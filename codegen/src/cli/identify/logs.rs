@@ -187,8 +187,8 @@ fn rotors_without_input(model: &Model) -> Option<Finding> {
     let drives = model.moving_drives().filter(|drive| drive.input == Input::None);
     about(ROTORS, drives.map(|drive| drive.name.as_str()), |names| {
         format!(
-            "rotors without an input ({names}) stay as described in the written file. Only the table of parameters has their \
-             identified inertia"
+            "the written file has the described inertia of rotors without an input ({names}). Only the table of parameters has \
+             their identified inertia"
         )
     })
 }

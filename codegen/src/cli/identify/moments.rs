@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use gelenk_findings::{Severity, texts};
+use gelenk_findings::{Severity, counted, texts};
 use gelenk_identification::fleet::{LogMoments, identify_moments, reduce};
 use gelenk_identification::robot::Robot;
 use serde_json::{Value, json};
@@ -40,16 +40,16 @@ pub(super) fn write_reduced(arguments: &Identify, format: Format) -> Result<Exit
     write(&LogMoments::sum(parts)?, &description, &path, format)
 }
 
-/// Identifies the robot from files of moments. If the output is also a file of moments, the moments are
-/// only added.
+/// Identifies the robot from files of moments. If the output is also a file of moments, only the sum of the
+/// moments is written.
 pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitCode, Failure> {
     let (loaded, robot) = read(arguments)?;
     let path = output(arguments, &loaded, "identified")?;
     let of_results = [("--report", arguments.report.is_some()), ("--method", arguments.method.is_some())];
     if let Some((option, _)) = of_results.iter().find(|(_, is_given)| is_moments(&path) && *is_given) {
         return Err(Failure::Usage(format!(
-            "{option} needs an identification, but --output *.moments only adds files of moments. Name a description (*.toml) \
-             with --output"
+            "{option} needs an identification, but --output *.moments writes only the sum of the moments. Name a description \
+             (*.toml) with --output"
         )));
     }
     let description = Description::of(arguments, &loaded, &robot)?;
@@ -86,9 +86,9 @@ fn samples(moments: &LogMoments) -> u64 {
 
 fn as_text(moments: &LogMoments, path: &Path) -> String {
     let (logs, samples, shares) = (moments.logs().len(), samples(moments), moments.shares());
-    let plural = if logs == 1 { "log" } else { "logs" };
+    let logs = counted(logs, "log", "logs");
     format!(
-        "wrote {}: {logs} {plural}, {samples} samples in {shares} of 16 groups for cross-validation\n",
+        "wrote {}: {logs}, {samples} samples in {shares} of 16 groups for cross-validation\n",
         path.display()
     )
 }

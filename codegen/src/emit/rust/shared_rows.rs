@@ -1,8 +1,7 @@
 //! Variables that several arrays use in sequence.
 //!
-//! Each variable is first filled with zeros. With one variable per array, the variables of a quadruped would
-//! take 62 kB instead of 31 kB. This is more than a first-level cache, and the linearization would take 7 %
-//! more time.
+//! Each variable is first filled with zeros. One variable per array would need 62 kB for a quadruped instead of
+//! 31 kB. A first-level cache is smaller than 62 kB, so the linearization would take 7 % more time.
 
 use crate::emit::arrays::Row;
 use crate::program::arrays::Arrays;

@@ -21,17 +21,17 @@ use writer::{Site, Writer};
 /// and less.
 const LEAST: f64 = 2e-15;
 
-const LEAST_INERTIA: &str = "has no moving bodies without mass or inertia. The least that MuJoCo accepts, 2e-15 kg or kg m², is \
+const LEAST_INERTIA: &str = "requires mass and inertia of moving bodies. The least that MuJoCo accepts, 2e-15 kg or kg m², is \
                              written for";
 
 /// Relative rounding error of published moments of inertia, which have about six digits.
 const ROUNDED: f64 = 1e-5;
 
 const RAISED: &str =
-    "has no bodies whose rounded moments violate the triangle inequality. The smaller moments are raised at";
+    "requires moments that satisfy the triangle inequality after rounding. The smaller moments are raised at";
 
 const TRIANGLE: &str =
-    "has no bodies whose largest principal moment exceeds the sum of the others. MuJoCo rejects";
+    "has bodies whose largest principal moment exceeds the sum of the others. MuJoCo rejects";
 
 pub(super) fn export(model: &Model, source: &str) -> (String, Losses) {
     let mut writer = Writer {

@@ -185,7 +185,7 @@ pub static KINDS: [Kind; 11] = [
             (
                 "inverse_dynamics_derivatives_and_mass_matrix forward_dynamics_derivatives inverse_dynamics_hessian",
                 Missing {
-                    why: ": M and M⁻¹ are not the derivatives, which have an additional factor",
+                    why: ": the derivatives are not M and M⁻¹, but have an additional factor",
                     help: "use `inverse_dynamics_derivatives`, whose documentation has the factor D, or \
                            `linearize`",
                 },

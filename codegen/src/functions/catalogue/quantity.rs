@@ -230,8 +230,8 @@ pub(in crate::functions) enum Loops {
 #[derive(Clone, Copy)]
 pub(in crate::functions) struct Products {
     pub build: BuildLoops,
-    /// Name of the function that computes the matrices to be multiplied by the inverse mass matrix. The loops
-    /// are faster if the straight-line code of these matrices is long.
+    /// Name of the function that computes the matrices to be multiplied by the inverse mass matrix. If the
+    /// straight-line code of these matrices is long, loops for the products are faster.
     pub beside: &'static str,
 }
 

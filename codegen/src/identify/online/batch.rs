@@ -20,8 +20,8 @@ pub struct BatchLaw {
     /// Number of friction terms of the law. They are the first entries of
     /// [`TERM_NAMES`](gelenk_adaptation::TERM_NAMES).
     pub terms: usize,
-    /// Duration in s of the interval before each sample to which the law was fitted; infinite if there is
-    /// no limit.
+    /// Duration in s of the interval to which the law was fitted; infinite if there is no limit. For a law
+    /// that predicts later samples, the interval ends before the predicted sample.
     pub window: f64,
     /// Error of the law's prediction of each sample, in N·m or N.
     pub errors: Vec<f64>,

@@ -214,7 +214,7 @@ fn settings(rate: f64, delay: f64) -> Result<AdaptationSettings> {
             name: "--delay".into(),
             value: -delay,
             requirement: format!(
-                "its negative, the time until an input acts, must be 0 to {MOST_DELAY} whole periods of {:.6} s",
+                "minus this value is the time until an input acts, and must be 0 to {MOST_DELAY} whole periods of {:.6} s",
                 1.0 / rate
             ),
         });

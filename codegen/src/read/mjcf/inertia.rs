@@ -210,7 +210,7 @@ impl<'a> Reader<'_, 'a> {
             }
             (None, _) => {
                 let span = given.map_or(geom.element.span(), |given| given.span);
-                let message = format!("a {kind} needs more than {} sizes, all positive", size.len());
+                let message = format!("a geom of type `{kind}` lacks a size, or a size is not positive");
                 self.report.error(span, "geom-size", message);
                 None
             }

@@ -9,11 +9,11 @@ pub(super) const ACTUATOR: Remark = Remark::warning(
 );
 pub(super) const ACTUATOR_RANGE: Remark = Remark::note(
     "actuator-range",
-    "force and control ranges of actuators that are not symmetric about 0 were omitted",
+    "force and control ranges of actuators were omitted, because they are not symmetric about 0",
 );
 pub(super) const EFFORT_RANGE: Remark = Remark::note(
     "effort-range",
-    "force ranges of joints that are not symmetric about 0 were reduced to the smaller side, or omitted if they exclude 0",
+    "asymmetric force ranges of joints were reduced to the smaller side, or omitted if they exclude 0",
 );
 pub(super) const ELASTIC: Remark =
     Remark::warning("elastic-skipped", "deformable bodies and forces of plugins were omitted");

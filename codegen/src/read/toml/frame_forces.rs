@@ -30,7 +30,7 @@ fn read_point_force(reader: &mut Reader, table: &Table<'_>) -> Option<PointForce
         reader.report.error(table.span, "missing-key", "a force needs `law` or `input`");
         reader.report.help(
             "`law = \"1200*(l - 0.3) + 40*dl\"` is a spring and damper with distance l and its rate dl. `input = \"cylinder\"` is \
-             an input. Positive forces pull together",
+             an input. Positive forces pull the frames together",
         );
         return None;
     }

@@ -24,7 +24,8 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
-/// Top-level keys that affect the reading of all other keys and of the base description.
+/// Top-level keys that affect the reading of all other keys and of the extended
+/// description.
 #[derive(Debug, Default)]
 pub(super) struct Preamble {
     /// Path of the description that this file extends.
@@ -131,7 +132,7 @@ pub(super) fn preamble(reader: &mut Reader, top: &Table<'_>) -> Preamble {
     let (ignore_mimic, no_friction) = (flag("ignore_mimic"), flag("no_friction"));
     let extends = ["urdf", "extends"].map(|key| top.get(key));
     if let [Some(_), Some(second)] = &extends {
-        let message = "both `urdf` and `extends` give a base description";
+        let message = "both `urdf` and `extends` name a file to extend";
         reader.report.error(second.key_span, "conflicting-keys", message).help("remove one of them");
     }
     let extends = extends.into_iter().flatten().next();
@@ -172,7 +173,7 @@ fn snap_tolerance(reader: &mut Reader, item: Item<'_>) -> Option<f64> {
 
 /// Reads all keys of the file except those of the preamble.
 ///
-/// - `extended`: properties of the base description; `None` without a base description
+/// - `extended`: properties of the extended description; `None` if the file extends no description
 pub(super) fn description(
     reader: &mut Reader,
     top: &Table<'_>,

@@ -186,7 +186,7 @@ impl Reader {
         if !usable || is_keyword(text) || has_meaning(text) {
             self.report.error(name.span, "parameter-name", format!("{text:?} is not a valid parameter name"));
             self.report.help(
-                "use letters, digits and underscores, but no Rust keyword and none of y, v, pi, sin, …",
+                "begin with a letter or `_`, and use only letters, digits and `_`. Rust keywords and the names y, v, pi, sin, … are not allowed",
             );
             return None;
         }

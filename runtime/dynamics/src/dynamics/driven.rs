@@ -43,6 +43,6 @@ pub trait NoDrivenJoints {}
 
 impl NoDrivenJoints for () {}
 
-/// A call compiles only if the module has no driven joints. The macro [`dynamics!`](crate::dynamics!) uses it to require a field
-/// for their motion.
+/// Compiles only for a module without driven joints. The macro [`dynamics!`](crate::dynamics!) calls this function, so that a
+/// module with driven joints needs a field for their motion.
 pub const fn without_driven_joints<D: NoDrivenJoints>() {}

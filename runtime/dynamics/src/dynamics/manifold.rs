@@ -165,7 +165,8 @@ pub const fn quaternion_joints<const C: usize>(
     joints
 }
 
-/// Error: a quaternion in the positions is not an attitude, because its length is not 1 or not finite.
+/// Error: a quaternion in the positions is not an attitude, because its length differs from 1 or is not
+/// finite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AttitudeError {
     /// Name of the joint.

@@ -115,9 +115,9 @@ impl<const N: usize, const M: usize, const NY: usize> Discretization<N, M, NY> {
         state.iter().chain(input).chain(affine).all(|entry| entry.is_finite())
     }
 
-    /// Displacement from the positions of the linearization and velocities after a period, for the
-    /// displacement `d` and the velocities `v` before the period. For robots without quaternions the
-    /// displacements are the coordinates.
+    /// Displacement and velocities after a period, for the displacement `d` and the velocities `v` before the
+    /// period. With quaternions, displacements are relative to the positions of the linearization. Without
+    /// quaternions, the displacements are the coordinates.
     #[must_use]
     pub fn displaced(&self, d: &[f64; N], v: &[f64; N], u: &[f64; M]) -> ([f64; N], [f64; N]) {
         let half = |h: usize| {

@@ -209,7 +209,8 @@ fn pass(
     let mut robust = first.clone();
     for pass in 0..settings.robust_passes {
         let chosen = task.choose(&robust)?;
-        progress(&format!("Outliers get lower weights, pass {} of {}.", pass + 1, settings.robust_passes));
+        let passes = settings.robust_passes;
+        progress(&format!("Pass {} of {passes} reduces the weights of outliers.", pass + 1));
         let offsets = chosen.centred.all_offsets(&chosen.values);
         let forces = task.forces(&chosen.values, &offsets);
         outlier = robust_deviations(layout, runs, &forces);

@@ -172,8 +172,8 @@ impl Estimated<'_> {
         let said: Vec<String> = numbers.iter().map(|number| said(self.delay(*number))).collect();
         (!said.is_empty()).then(|| {
             let message = format!(
-                "the delay of the efforts is {} in addition to the delay that was removed before. It was estimated together with \
-                 all other parameters, and the intervals include its uncertainty",
+                "the delay of the efforts is {} in addition to the delay that was removed before. The additional delay was estimated \
+                 together with all other parameters, and the intervals include its uncertainty",
                 said.join(", ")
             );
             DELAYS.found(message).help("if the delay is known, set it with --delay")

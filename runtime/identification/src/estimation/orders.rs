@@ -1,4 +1,5 @@
-//! Orders of the columns that belong to other joints: programs sort names or reverse the chain, and users exchange two columns.
+//! Hypothesis that the columns of a log are in another order than the joints. Possible reasons are sorted names, a reversed chain,
+//! or two exchanged columns.
 
 use super::super::error::Result;
 use super::super::run::Effort;

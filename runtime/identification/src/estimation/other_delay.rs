@@ -47,7 +47,7 @@ fn other_delay(_: &Case, change: &Change, rule: &Rule) -> Result<Option<Finding>
     let Change::Delay(_, seconds) = change else { return Ok(None) };
     let way = if *seconds > 0.0 { "later" } else { "earlier" };
     let message = format!(
-        "relative to its position, its effort comes {:.1} ms {way} than with the stated delay",
+        "relative to its position, its effort comes {:.1} ms {way} than the stated delay says",
         1e3 * seconds.abs()
     );
     let remedy =

@@ -132,8 +132,9 @@ pub struct JointEstimate {
     pub r_squared: f64,
     /// R² on held-out data: each fold of the data is predicted by the fit to the other folds.
     pub held_out_r_squared: f64,
-    /// R² on held-out data over all samples including those at rest. At rest, dry friction takes any value up
-    /// to the static one, which no law of the velocity predicts. NaN if the estimate was made from moments.
+    /// R² on held-out data over all samples including those at rest. At rest, dry friction can have any value up
+    /// to the static friction. No law of the velocity predicts this value. NaN if the estimate was made from
+    /// moments.
     pub held_out_with_rest: f64,
     /// Share of the samples in which the joint rests. These samples are not used for the estimate and for the other numbers
     /// of this struct, except [`Self::held_out_with_rest`].

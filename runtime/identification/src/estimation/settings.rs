@@ -23,8 +23,8 @@ pub struct EstimationSettings {
     /// Whether two terms may be added to the force of a joint: reflected inertia (times the acceleration ÿ) and asymmetric
     /// viscous friction (times |v|, with the velocity v). Each term is added if it lowers the held-out error.
     pub optional_terms: bool,
-    /// Number of folds, 4 to 50. Each fold consists of contiguous parts of the runs. The held-out error is the error on each
-    /// fold of the fit to the other folds.
+    /// Number of folds, 4 to 50. Each fold consists of contiguous parts of the runs. For the held-out error, each fold is
+    /// predicted by a fit to the other folds.
     pub folds: usize,
     /// Number of repetitions of the fit, at most 20. Each repetition reduces the weights of outliers (Huber 1964). If it is
     /// 0, all samples have the same weight.

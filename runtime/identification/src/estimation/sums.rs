@@ -3,8 +3,8 @@
 //!
 //! All choices (weights of the joints, terms, offsets, gains, the weight of the description) are made from these sums. The
 //! size of the sums does not depend on the number of samples. Products square the condition number. This is accepted because
-//! the unknowns are differences from the description: the description determines the directions with singular values below
-//! 1e-7 of the largest one, which the squared numbers cannot resolve.
+//! the unknowns are differences from the description. The squared numbers cannot resolve directions with singular values below
+//! 1e-7 of the largest singular value. The description determines these directions.
 
 use super::super::methods::moments::contiguous_blocks;
 use super::super::numeric::kernel::{BLOCK, add_products};

@@ -1,8 +1,8 @@
 //! Fits of the same choice of terms to a changed log or description, and their errors on held-out data.
 //!
 //! Some hypotheses are tested with fitted bodies. Others are tested with the described bodies, because fitted bodies would
-//! explain much of the change. With the other kind of bodies, the change must not raise the error by more than the standard
-//! error.
+//! explain much of the change. A change must lower the error with its own kind of bodies. With the other kind, it must not
+//! raise the error by more than the standard error.
 
 use super::super::error::Result;
 use super::super::log::unit_value;

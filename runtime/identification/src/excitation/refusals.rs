@@ -1,5 +1,6 @@
 //! Reasons for which motions were rejected, counted for the message of a search without a result.
 
+use gelenk_findings::counted;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
@@ -23,7 +24,7 @@ impl Refusals {
         let counts = self.counts.borrow();
         let most = counts.iter().max_by_key(|(_, count)| **count);
         let most = most.map_or_else(String::new, |(what, count)| {
-            format!(". Most frequent reason ({count} motions): {what}")
+            format!(". Most frequent reason ({}): {what}", counted(*count, "motion", "motions"))
         });
         if !at_rest.is_empty() {
             return format!(
@@ -34,7 +35,7 @@ impl Refusals {
         }
         format!(
             "no motion within the limits determines all parameters, even at a tenth of the size that the position limits allow. \
-             Checked were the effort limits and the limits of following joints{most}. Raise the effort limits or --seconds, lower \
+             The effort limits and the limits of following joints were checked{most}. Raise the effort limits or --seconds, lower \
              --speed-share, or narrow the position limits of the joints that others follow"
         )
     }

@@ -85,7 +85,7 @@ impl LogMoments {
         }
         if !bytes.starts_with(FIRST_LINE) {
             return Err(fault(
-                "this gelenk reads only version 4 of the format. Reduce the logs again with this gelenk",
+                "this version of gelenk reads only version 4 of the format. Reduce the logs again with this version",
             ));
         }
         let altered = || {

@@ -17,7 +17,7 @@ use super::exact::Exact;
 use super::file::hash_of;
 use super::levels;
 use super::logs::{JointFacts, LogMoments, ReducedLog, Share};
-use gelenk_findings::{Finding, Rule};
+use gelenk_findings::{Finding, Rule, counted};
 use nalgebra::{DMatrix, DVector};
 
 /// Sees: moments of logs that passed different filters.
@@ -142,9 +142,8 @@ impl LogMoments {
             return Ok(shares);
         }
         Err(fault(&format!(
-            "cross-validation needs samples in at least {fewest} of 16 groups, but only {} groups have samples. Add more logs or \
-             longer logs",
-            shares.len()
+            "cross-validation needs samples in at least {fewest} of 16 groups, but only {}. Add more logs or longer logs",
+            counted(shares.len(), "group has samples", "groups have samples")
         )))
     }
 

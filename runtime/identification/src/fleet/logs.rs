@@ -19,9 +19,9 @@ pub(super) const SHARES: usize = 16;
 /// The 32 bytes of a SHA-256.
 pub(super) type Hash = [u8; 32];
 
-/// Moments of one or several logs: sums of products of the columns of each joint's equation (regressor and measured force). The
-/// mean of each run is subtracted from the columns before, except in the equations of joints with a quaternion. The samples are
-/// divided into 16 groups (shares) with separate sums. The size of moments does not depend on the length of the logs.
+/// Moments of one or several logs: sums of products of the columns of each joint's equation (regressor and measured force).
+/// First the mean of each run is subtracted from the columns, except in the equations of joints with a quaternion. The samples
+/// are divided into 16 groups (shares) with separate sums. The size of moments does not depend on the length of the logs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogMoments {
     pub(super) about: About,

@@ -108,7 +108,7 @@ impl<'a> Findings<'a> {
             plain(fastest, 3)
         );
         BEYOND_EFFORT.found(message).help(
-            "record motion with slow reversals and with these speeds, or name fewer terms, as in --friction viscous,coulomb",
+            "record motion with slow reversals and with higher speeds, or name fewer terms, as in --friction viscous,coulomb",
         )
     }
 

@@ -82,9 +82,9 @@ pub(super) fn restrict(
         return Ok((free, none));
     }
     findings.add(RESTRICTED.found(
-        "the law from least squares drives the joint at some speed, or diverges above the speeds in the data. It was refitted \
-         with friction that always brakes, viscous friction ≥ 0 and bounded growth. The standard errors treat active constraints \
-         as exact",
+        "the law from least squares drives the joint at some speed, or diverges above the speeds in the data. The law was \
+         fitted again with three constraints: friction always brakes, viscous friction is not negative, and the growth with speed \
+         is bounded. The standard errors treat active constraints as exact",
     ));
     let mut coefficients = constrained_fit(reduced, 0, &free.active, rows)?;
     remove_rounding(&mut coefficients, reduced.moments(), samples);

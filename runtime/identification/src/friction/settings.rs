@@ -2,7 +2,7 @@
 
 use super::super::methods::thresholding::Thresholding;
 use gelenk_findings::digits::plain;
-use gelenk_findings::{Finding, Rule};
+use gelenk_findings::{Finding, Rule, counted};
 use std::fmt;
 
 /// Sees: the filter of the samples, the method, and the terms from which the law was chosen.
@@ -60,11 +60,11 @@ impl fmt::Display for Setting {
                 plain(*sample_rate, 6)
             ),
             Self::Moments { logs, samples, seconds, shares, bandwidths: [narrow, wide] } => {
-                let plural = if *logs == 1 { "log" } else { "logs" };
+                let logs = counted(*logs, "log", "logs");
                 let range = if narrow < wide { format!("{narrow:.3} to ") } else { String::new() };
                 write!(
                     out,
-                    "moments of {logs} {plural}, {samples} samples, {seconds:.1} s, in {shares} groups for cross-validation, low-pass \
+                    "moments of {logs}, {samples} samples, {seconds:.1} s, in {shares} groups for cross-validation, low-pass \
                      filter {range}{wide:.3} Hz. R² is computed with one offset for each run. The values of these offsets cannot \
                      be computed from moments, so they are not reported"
                 )

@@ -111,8 +111,10 @@ pub(super) fn unwrap_turns(run: &mut Run, robot: &dyn Robot, source: &str) -> Ve
         let jumps = take_out_turns(q);
         let (Some(first), Some(last)) = (jumps.first(), jumps.last()) else { continue };
         let rows = Some((run.rows[*first], run.rows[*last]));
-        let message =
-            format!("its position jumps by a full turn {} times. The jumps are removed", jumps.len());
+        let message = match jumps.len() {
+            1 => "its position jumps by a full turn once. The jump is removed".to_owned(),
+            count => format!("its position jumps by a full turn {count} times. The jumps are removed"),
+        };
         findings.push(TURNS.found(message).joint(&names[joint]).log(source, rows));
     }
     findings

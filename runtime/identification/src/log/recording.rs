@@ -10,7 +10,7 @@ use super::packed::{LARGEST, unpacked};
 use super::runs::{LEFT_OUT, Samples, split};
 use super::saturation::cut_off;
 use super::sheet::Sheet;
-use gelenk_findings::{Finding, Rule};
+use gelenk_findings::{Finding, Rule, counted};
 use sha2::{Digest, Sha256};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -127,10 +127,8 @@ impl Recording {
             return;
         }
         self.runs.retain(is_long);
-        let message = format!(
-            "{short} runs with fewer than {FEWEST_SAMPLES} samples are left out, because they are too \
-                               short for a filter"
-        );
+        let short = counted(short, "run is left out, because it has", "runs are left out, because they have");
+        let message = format!("{short} fewer than {FEWEST_SAMPLES} samples, too few for a filter");
         self.findings.push(LEFT_OUT.found(message));
     }
 

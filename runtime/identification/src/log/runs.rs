@@ -12,7 +12,7 @@ use super::sheet::{Sheet, shortened};
 use super::spikes::leave_out_spikes;
 use super::unroll::unrolled;
 use super::zeros::zero_rows;
-use gelenk_findings::{Finding, Rule};
+use gelenk_findings::{Finding, Rule, counted};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -91,15 +91,20 @@ impl Gaps {
         }
     }
 
-    fn finding(&self, columns: &str, place: &str) -> Finding {
+    fn finding(&self, columns: &[String], place: &str) -> Finding {
         let rule = if self.text.is_some() { NOT_A_NUMBER } else { MISSING };
-        let text =
-            self.text.as_ref().map_or(String::new(), |text| format!(", the first of which is `{text}`"));
-        let short = match self.short {
-            0 => String::new(),
-            n => format!("; {n} of these rows end before the column"),
+        let is_first = if self.count == 1 { ": " } else { ". The first field with text is " };
+        let text = self.text.as_ref().map_or(String::new(), |text| format!("{is_first}`{text}`"));
+        let short = match (self.short, self.count) {
+            (0, _) => String::new(),
+            (1, 1) => ", which ends before the column".to_owned(),
+            (n, _) => {
+                format!("; {} before the column", counted(n, "of these rows ends", "of these rows end"))
+            }
         };
-        let message = format!("{columns} has no finite number in {} rows{text}{short}", self.count);
+        let has = if columns.len() == 1 { "has" } else { "have" };
+        let (columns, rows) = (shortened(columns), counted(self.count, "row", "rows"));
+        let message = format!("{columns} {has} no finite number in {rows}{short}{text}");
         rule.found(message).log(place, self.rows)
     }
 }
@@ -156,15 +161,23 @@ impl Samples {
         let efforts = 2 * joints..2 * joints + mapping.efforts.columns.len();
         let long_rows = long.count;
         findings.extend(long.finding(source, LEFT_OUT, |n| {
-            format!(
-                "{n} rows are left out, because they have more fields than the header. Check whether a text contains the field separator"
-            )
+            let rows = counted(
+                n,
+                "row is left out, because it has more fields than the header",
+                "rows are left out, because they have more fields than the header",
+            );
+            format!("{rows}. Check whether a text contains the field separator")
         }));
         require_alive(sheet, &sources, &gaps, &efforts, source)?;
         let zeros = samples.leave_out_zeros(joints);
         let zero_rows = zeros.count;
         findings.extend(zeros.finding(source, LEFT_OUT, |n| {
-            format!("{n} rows are left out, because they contain only zeros and positions jump to them. No values were recorded there")
+            let rows = counted(
+                n,
+                "row is left out, because it contains only zeros and positions jump to it",
+                "rows are left out, because they contain only zeros and positions jump to them",
+            );
+            format!("{rows}. No values were recorded there")
         }));
         for i in efforts.clone() {
             let named = (sources[i].map(|column| label(sheet, column.index)), source);
@@ -369,9 +382,9 @@ fn gap_findings(
         }
     }
     let mut findings: Vec<Finding> =
-        alike.into_iter().map(|(names, gaps)| gaps.finding(&shortened(&names), place)).collect();
+        alike.into_iter().map(|(names, gaps)| gaps.finding(&names, place)).collect();
     if left_out > 0 {
-        let message = format!("{left_out} incomplete rows are left out");
+        let message = counted(left_out, "incomplete row is left out", "incomplete rows are left out");
         findings.push(LEFT_OUT.found(message).log(place, None));
     }
     findings
@@ -400,7 +413,8 @@ pub(super) fn split(
     require_steady(&parts, &samples.times, unit, source)?;
     let short = parts.iter().filter(|p| p.len() < 2).count();
     if short > 0 {
-        let message = format!("{short} runs with a single sample are left out");
+        let message =
+            counted(short, "run with a single sample is left out", "runs with a single sample are left out");
         findings.push(LEFT_OUT.found(message).log(source, None));
     }
     let kept: Vec<Vec<usize>> = parts.into_iter().filter(|p| p.len() > 1).collect();
@@ -451,10 +465,15 @@ fn parts(samples: &Samples, source: &str, findings: &mut Vec<Finding>) -> (Vec<V
         }
     }
     findings.extend(repeated.finding(source, REPEATED, |n| {
-        format!("{n} samples have the same time as the sample before and are left out")
+        counted(
+            n,
+            "sample has the same time as the sample before and is left out",
+            "samples have the same time as the sample before and are left out",
+        )
     }));
-    findings.extend(back.finding(source, NEW_RUN, |n| {
-        format!("the time goes back {n} times, and a new run begins at each of these rows")
+    findings.extend(back.finding(source, NEW_RUN, |n| match n {
+        1 => "the time goes back once, and a new run begins at this row".to_owned(),
+        n => format!("the time goes back {n} times, and a new run begins at each of these rows"),
     }));
     let middle = steps.len() / 2;
     let step = if steps.is_empty() { 0 } else { *steps.select_nth_unstable(middle).1 };

@@ -405,7 +405,7 @@ fn nothing(lines: &[Line]) -> String {
     let shown =
         lines.first().map_or(String::new(), |l| String::from_utf8_lossy(l.text).chars().take(80).collect());
     format!(
-        "the file has no rows of numbers. It begins with `{shown}`. It needs a header and rows that are separated by commas, \
-         semicolons, tabs, blanks or the character of `--separator`"
+        "the file has no rows of numbers. It begins with `{shown}`. It needs a header and rows of numbers that are separated by \
+         commas, semicolons, tabs, blanks or the character of `--separator`"
     )
 }

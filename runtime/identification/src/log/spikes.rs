@@ -25,7 +25,9 @@ pub(super) fn leave_out_spikes(
     let (label, value) = (label?, plain(column[first], 6));
     let message = match rows.len() {
         1 => format!("{label} has 1 effort far beyond all others, {value}. It is left out"),
-        n => format!("{label} has {n} efforts far beyond all others, first {value}. They are left out"),
+        n => format!(
+            "{label} has {n} efforts far beyond all others. The first is {value}. These efforts are left out"
+        ),
     };
     rows.iter().for_each(|row| column[*row] = f64::NAN);
     Some(OUTLIER.found(message).log(place, Some((lines[first], lines[last]))))

@@ -68,7 +68,9 @@ impl CrossValidation {
 /// - `index`: index of the value of λ in the path
 ///
 /// # Errors
-/// [`EverythingRemoved`](crate::IdentificationError::EverythingRemoved) if the solution for this λ has no terms.
+/// - [`Shape`](crate::IdentificationError::Shape) if `index` is outside the path
+/// - [`EverythingRemoved`](crate::IdentificationError::EverythingRemoved) if the solution for this λ has no terms
+/// - the errors of [`Reduced::fit`]
 pub fn refit(reduced: &Reduced, target: usize, path: &LassoPath, index: usize) -> Result<Solution> {
     if index >= path.lambdas.len() {
         require_length("λ of the path", index + 1, path.lambdas.len())?;

@@ -160,11 +160,13 @@ impl Recorded<'_> {
         let longest = short.iter().map(|p| p.duration()).fold(0.0, f64::max);
         let short = short.first().map(|first| {
             let (count, row) = (short.len(), signals.row(first.start));
-            let message = format!(
-                "{count} pieces of up to {longest:.3} s are left out, because the filter cuts off {:.3} s at each end. The first \
-                 begins in row {row}",
-                how.cut
-            );
+            let reason = format!("because the filter cuts off {:.3} s at each end", how.cut);
+            let message = match count {
+                1 => format!("1 piece of {longest:.3} s is left out, {reason}. It begins in row {row}"),
+                _ => format!(
+                    "{count} pieces of up to {longest:.3} s are left out, {reason}. The first begins in row {row}"
+                ),
+            };
             about(SHORT_PIECES, message).help("use a larger --bandwidth, which cuts off less")
         });
         let pauses: Vec<f64> = pieces.windows(2).map(|pair| pair[1].start - pair[0].end).collect();
@@ -174,7 +176,10 @@ impl Recorded<'_> {
             let size = if least == most { least } else { format!("{least} to {most}") };
             about(
                 GAPS,
-                format!("it is split at {} gaps of {size} s. The first is after row {row}", pauses.len()),
+                match pauses.len() {
+                    1 => format!("it is split at 1 gap of {size} s after row {row}"),
+                    count => format!("it is split at {count} gaps of {size} s. The first is after row {row}"),
+                },
             )
         });
         gaps.into_iter().chain(short).collect()
@@ -226,7 +231,10 @@ impl Recorded<'_> {
         let of = |(j, channel): (usize, &Channel)| {
             let first = channel.spikes.first()?;
             let (count, row) = (channel.spikes.len(), signals.rows[*first]);
-            let message = format!("{count} spikes of its position are left out. The first is in row {row}");
+            let message = match count {
+                1 => format!("1 spike of its position is left out. It is in row {row}"),
+                _ => format!("{count} spikes of its position are left out. The first is in row {row}"),
+            };
             Some(SPIKES.found(message).log(&signals.name, None).joint(self.name(j)))
         };
         signals.positions.iter().enumerate().filter_map(of).collect()

@@ -15,7 +15,7 @@ pub struct PreparationReport {
     pub filter: Filter,
     /// Sample rate of the prepared runs in Hz.
     pub sample_rate: f64,
-    /// Findings about changes of the signals: gaps, pieces and spikes that were left out, delays.
+    /// Findings about the signals, for example about gaps, removed samples, removed delays and noise.
     pub findings: Vec<Finding>,
 }
 

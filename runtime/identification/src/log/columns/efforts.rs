@@ -137,7 +137,7 @@ impl Finder<'_> {
         let base = self.robot.quaternions.iter().find(|joint| joint.is_floating);
         let (IdentificationError::File(finding), Some(base)) = (&error, base) else { return error };
         let enough = if self.has_frames() {
-            "the log needs the forces of the inputs at frames. Efforts of the joints may be missing"
+            "the log needs the forces of the inputs at frames. It does not need efforts of the joints"
                 .to_owned()
         } else {
             format!(

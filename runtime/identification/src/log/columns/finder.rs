@@ -162,8 +162,8 @@ impl<'a> Finder<'a> {
             header.and_then(|h| h.odd.as_ref()).filter(|odd| named.is_none() && !self.is_described(odd));
         if let Some(odd) = odd {
             return Err(self.fault(format!(
-                "column {} is in `{odd}`, which is not a known unit. Give the unit with --columns '{}=…[UNIT]', also with a \
-                 factor, as in [0.0879 deg]. Known units: {}",
+                "column {} is in `{odd}`, which is not a known unit. Give the unit with --columns '{}=…[UNIT]', if necessary \
+                 with a factor, as in [0.0879 deg]. Known units: {}",
                 label,
                 kind.key(),
                 units::known_units()
@@ -225,7 +225,7 @@ impl<'a> Finder<'a> {
         let (n, kind) = (targets.names.len(), kinds[0]);
         if n == 0 {
             return self.fault(format!(
-                "the log may not contain {}, because the description has no drives. Give the joints a drive, as in `drive = {{ \
+                "the description has no drives, so the columns cannot be {} of motors. Give the joints a drive, as in `drive = {{ \
                  gear_ratio = 100 }}`. If the efforts are torques at the joints, use --effort joint",
                 kind.plural()
             ));

@@ -174,7 +174,7 @@ impl Finder<'_> {
         let ends = poses.first().zip(poses.last()).map(|(first, last)| {
             format!("poses: {} columns from {} to {}", poses.len(), self.label(*first), self.label(*last))
         });
-        let compared = "(only compared with the derivatives of the positions, which are used)";
+        let compared = "(only for a comparison: the derivatives of the positions are used)";
         let velocities = mapping.velocities.as_ref().and_then(|found| found.line("velocities"));
         let held: Vec<String> =
             self.robot.held_values().map(|(name, value)| format!("{name} at {value}")).collect();

@@ -21,7 +21,7 @@ pub struct ColumnOptions {
     /// - Columns: a header with `{}` instead of the joint's number or `{name}` instead of its name; headers in the order of
     ///   the joints, separated by `|`; or numbers, counted from 1: `2..7`.
     /// - A unit in brackets may follow: `position=2..7[deg]`, `position=count{}[0.0879 deg]`.
-    /// - Rows at equal times need no column of times: `time=row[4 ms]`.
+    /// - Rows that were recorded at equal intervals need no column of times: `time=row[4 ms]`.
     /// - Joints without columns, with their positions in rad or m (0 if there is no value): `hold=gripper|wrist_*=0.5`.
     pub columns: Option<String>,
     /// Field separator; if it is `None`, it is detected.

@@ -29,7 +29,7 @@ fn each_quantity_has_a_line() {
         "time: `Time [ms]`",
         "positions: `q{} [deg]` from `q1 [deg]` of joint_1 to `q2 [deg]` of joint_2, times 0.0174533 in rad",
         "velocities: `dq{}` from `dq1` of joint_1 to `dq2` of joint_2, in rad/s because the header has no \
-         unit (only compared with the derivatives of the positions, which are used)",
+         unit (only for a comparison: the derivatives of the positions are used)",
         "efforts, as forces at the joints: `tau_{}` from `tau_1` of joint_1 to `tau_2` of joint_2, in N*m \
          because the header has no unit",
         "not used: `temp_1`, `temp_2`",

@@ -216,12 +216,9 @@ fn times_cut_runs() {
         ]
     );
     let said: Vec<String> = recording.findings.iter().take(3).map(Finding::sentence).collect();
-    assert_eq!(said[0], "log.csv, row 4: 1 samples have the same time as the sample before and are left out");
-    assert_eq!(
-        said[1],
-        "log.csv, row 8: the time goes back 1 times, and a new run begins at each of these rows"
-    );
-    assert_eq!(said[2], "log.csv: 1 runs with a single sample are left out");
+    assert_eq!(said[0], "log.csv, row 4: 1 sample has the same time as the sample before and is left out");
+    assert_eq!(said[1], "log.csv, row 8: the time goes back once, and a new run begins at this row");
+    assert_eq!(said[2], "log.csv: 1 run with a single sample is left out");
     assert!(recording.findings.iter().take(3).map(|f| f.code).eq([
         "repeated-times",
         "time-goes-back",
@@ -258,9 +255,9 @@ fn incomplete_rows_are_left_out_by_number() {
     assert_eq!(
         said[..4],
         [
-            "log.csv, row 5: column `q2` has no finite number in 1 rows",
-            "log.csv, row 6: column `u1` has no finite number in 1 rows, the first of which is `x`",
-            "log.csv, row 7: column `u2` has no finite number in 1 rows; 1 of these rows end before the column",
+            "log.csv, row 5: column `q2` has no finite number in 1 row",
+            "log.csv, row 6: column `u1` has no finite number in 1 row: `x`",
+            "log.csv, row 7: column `u2` has no finite number in 1 row, which ends before the column",
             "log.csv: 3 incomplete rows are left out",
         ]
     );
@@ -366,9 +363,9 @@ fn turns_are_unwrapped() {
     let free = found(&robot, "", wrapped);
     assert_eq!(free.iter().map(|f| f.0).collect::<Vec<_>>(), ["turns"]);
     assert!(
-        free[0].1.contains(
-            "row 210, joint joint_1: its position jumps by a full turn 1 times. The jumps are removed"
-        ),
+        free[0]
+            .1
+            .contains("row 210, joint joint_1: its position jumps by a full turn once. The jump is removed"),
         "{free:?}"
     );
     robot.limits[0].position = [-3.5, 3.5];

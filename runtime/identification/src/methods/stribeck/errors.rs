@@ -6,7 +6,7 @@ use super::law::{NAMES, StribeckFit};
 use super::refine::{Normal, Observed};
 use crate::numeric::spectrum::symmetric_eigen;
 use gelenk_findings::digits::plain;
-use gelenk_findings::{Finding, Rule};
+use gelenk_findings::{Finding, Rule, counted};
 use nalgebra::{DMatrix, DVector, SMatrix};
 
 /// Sees: parameters of a Stribeck law that the data do not determine.
@@ -189,7 +189,8 @@ fn warnings(fit: &StribeckFit, samples: &Observed) -> Vec<Finding> {
     let (slow, speed) = (samples.v.iter().filter(|v| v.abs() < 1.0 / a[2]).count(), plain(1.0 / a[2], 4));
     if slow < 10 {
         let message = format!(
-            "the data do not determine a3. Only {slow} samples are slower than 1/a3 = {speed}, the width of the step at zero velocity"
+            "the data do not determine a3. Only {} slower than 1/a3 = {speed}, the width of the step at zero velocity",
+            counted(slow, "sample is", "samples are")
         );
         warn(message, "slow samples", slow as f64);
     }

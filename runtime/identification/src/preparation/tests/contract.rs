@@ -50,9 +50,9 @@ fn gaps_split_and_faults_are_named() {
     assert_eq!(runs.len(), 2);
     assert!(runs[0].times.last().unwrap() < &3.5 && runs[1].times[0] > 3.8);
     let said: Vec<String> = report.findings.iter().map(Finding::sentence).collect();
-    assert_eq!(said[0], "simulated 3: it is split at 1 gaps of 0.305 s. The first is after row 701");
+    assert_eq!(said[0], "simulated 3: it is split at 1 gap of 0.305 s after row 701");
     assert!(
-        said[1].ends_with("joint joint 2: 1 spikes of its position are left out. The first is in row 302"),
+        said[1].ends_with("joint joint 2: 1 spike of its position is left out. It is in row 302"),
         "{said:?}"
     );
     let fault = report.joints[1].fault.as_ref().unwrap();

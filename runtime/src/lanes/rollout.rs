@@ -1,0 +1,287 @@
+//! Runge–Kutta steps with derivatives, for several robots at a time. Each number (lane) of a vector belongs to one robot.
+
+use super::hold::instructions;
+use super::packed::{pack, unpack};
+use super::product::{Blocks, Half, Start, entries, entries_mut, sum};
+use crate::dynamics::{Discretizable, Linearization, Point, Step};
+#[cfg(not(feature = "std"))]
+use crate::no_std::*;
+use crate::qp::lanes::{Portable, Vector, WIDTH, vectorized};
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+use crate::qp::x86::{Avx2, has_avx2};
+
+/// Number of robots that are integrated together. One call of a function for eight states linearizes all of them.
+pub(crate) const TOGETHER: usize = 8;
+/// Times of the four stages of the classical Runge–Kutta method, in steps.
+const TIMES: [f64; 4] = [0.0, 0.5, 0.5, 1.0];
+/// Weights of the four stages.
+const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
+
+/// Positions, velocities or accelerations, with their derivatives with respect to the initial state and to the inputs.
+#[derive(Debug, Clone, Copy)]
+struct Motion<V, const N: usize, const M: usize> {
+    value: Blocks<V, N, 1, 1>,
+    by_state: Half<V, N>,
+    by_inputs: Blocks<V, N, 1, M>,
+}
+
+impl<V: Vector, const N: usize, const M: usize> Motion<V, N, M> {
+    fn zero() -> Self {
+        let zero = V::zero();
+        Self { value: [[[zero]]; N], by_state: [[[zero; N]; 2]; N], by_inputs: [[[zero; M]]; N] }
+    }
+
+    /// Sets the derivatives to those of the initial positions (block 0) or velocities (block 1).
+    #[inline(always)]
+    fn begin(&mut self, block: usize) {
+        self.by_state = [[[V::zero(); N]; 2]; N];
+        self.by_inputs = [[[V::zero(); M]]; N];
+        for i in 0..N {
+            self.by_state[i][block][i] = V::one();
+        }
+    }
+
+    /// Adds `factor · rate`.
+    #[inline(always)]
+    fn add(&mut self, factor: f64, rate: &Self) {
+        let factor = V::splat(factor);
+        for i in 0..N {
+            add_scaled(&mut self.value[i][0], factor, &rate.value[i][0]);
+            add_scaled(self.by_state[i].as_flattened_mut(), factor, rate.by_state[i].as_flattened());
+            add_scaled(&mut self.by_inputs[i][0], factor, &rate.by_inputs[i][0]);
+        }
+    }
+}
+
+#[inline(always)]
+fn add_scaled<V: Vector>(sum: &mut [V], factor: V, numbers: &[V]) {
+    for (sum, number) in sum.iter_mut().zip(numbers) {
+        *sum = number.mul_add(factor, *sum);
+    }
+}
+
+/// Integration of four robots. Motions are pairs of positions and velocities.
+#[derive(Debug, Clone)]
+struct Rollout<V, const N: usize, const M: usize> {
+    /// Motion at the beginning of the step.
+    start: [Motion<V, N, M>; 2],
+    /// Motion at the present stage.
+    stage: [Motion<V, N, M>; 2],
+    /// Motion at the end of the step, as a sum over the stages so far.
+    end: [Motion<V, N, M>; 2],
+    acceleration: Motion<V, N, M>,
+    /// Derivatives of the accelerations with respect to positions and velocities.
+    by_state: Half<V, N>,
+    u: [V; M],
+}
+
+impl<V: Vector, const N: usize, const M: usize> Rollout<V, N, M> {
+    fn new() -> Self {
+        let zero = Motion::zero();
+        Self {
+            start: [zero; 2],
+            stage: [zero; 2],
+            end: [zero; 2],
+            acceleration: zero,
+            by_state: zero.by_state,
+            u: [V::zero(); M],
+        }
+    }
+
+    fn begin<const NY: usize>(&mut self, points: [&Point<N, M, NY>; WIDTH]) {
+        vectorized!(V, {
+            let [y, v] = &mut self.start;
+            pack(entries_mut(&mut y.value), points.map(|point| &point.positions[..]));
+            pack(entries_mut(&mut v.value), points.map(|point| &point.velocities[..]));
+            pack(&mut self.u, points.map(|point| &point.inputs[..]));
+            y.begin(0);
+            v.begin(1);
+            (self.stage, self.end) = (self.start, self.start);
+        });
+    }
+
+    /// Processes stage `index` of a step of length `h` (s). `linear` are the robots at the states of the stage.
+    fn advance<const NY: usize>(&mut self, linear: [&Linearization<N, M, NY>; WIDTH], index: usize, h: f64) {
+        vectorized!(V, {
+            self.accelerate(linear);
+            let Self { start, stage: [y, v], end, acceleration, .. } = self;
+            end[0].add(WEIGHTS[index] * h, v);
+            end[1].add(WEIGHTS[index] * h, acceleration);
+            if let Some(time) = TIMES.get(index + 1) {
+                *y = start[0];
+                y.add(time * h, v);
+                *v = start[1];
+                v.add(time * h, acceleration);
+            } else {
+                *start = *end;
+                [*y, *v] = *end;
+            }
+        });
+    }
+
+    /// Computes the accelerations and their derivatives by the chain rule.
+    #[inline(always)]
+    fn accelerate<const NY: usize>(&mut self, linear: [&Linearization<N, M, NY>; WIDTH]) {
+        let Self { stage: [y, v], acceleration: a, by_state, u, .. } = self;
+        for i in 0..N {
+            let [by_y, by_v] = &mut by_state[i];
+            pack(by_y, linear.map(|linear| &linear.by_coordinates[i][..]));
+            pack(by_v, linear.map(|linear| &linear.by_velocities[i][..]));
+            pack(&mut a.by_inputs[i][0], linear.map(|linear| &linear.by_inputs[i][..]));
+        }
+        pack(entries_mut(&mut a.value), linear.map(|linear| &linear.affine[..]));
+        for i in 0..N {
+            for (u, by_u) in u.iter().zip(&a.by_inputs[i][0]) {
+                a.value[i][0][0] = by_u.mul_add(*u, a.value[i][0][0]);
+            }
+        }
+        let (rest, by_inputs) = (a.value, a.by_inputs);
+        sum(&mut a.value, Start::Scaled(1.0, &rest), by_state, &[(0, &y.value), (1, &v.value)]);
+        sum(
+            &mut a.by_inputs,
+            Start::Scaled(1.0, &by_inputs),
+            by_state,
+            &[(0, &y.by_inputs), (1, &v.by_inputs)],
+        );
+        sum(&mut a.by_state, Start::Zero, by_state, &[(0, &y.by_state), (1, &v.by_state)]);
+    }
+
+    /// Writes the states of the present stage.
+    fn write_states<const NY: usize>(&self, points: &mut [Point<N, M, NY>; WIDTH]) {
+        let [y, v] = &self.stage;
+        vectorized!(V, {
+            unpack(entries(&y.value), points.each_mut().map(|point| &mut point.positions[..]));
+            unpack(entries(&v.value), points.each_mut().map(|point| &mut point.velocities[..]));
+        });
+    }
+
+    /// Writes the state at the end of the last step and its derivatives.
+    fn write_steps<const NY: usize>(&self, steps: &mut [Step<N, M, NY>; WIDTH]) {
+        let [y, v] = &self.end;
+        vectorized!(V, {
+            unpack(entries(&y.value), steps.each_mut().map(|step| &mut step.coordinates[..]));
+            unpack(entries(&v.value), steps.each_mut().map(|step| &mut step.velocities[..]));
+            for (half, motion) in [y, v].into_iter().enumerate() {
+                for i in 0..N {
+                    for block in 0..2 {
+                        let to = steps.each_mut().map(|step| &mut step.state[half][block][i][..]);
+                        unpack(&motion.by_state[i][block], to);
+                    }
+                }
+                let to = steps.each_mut().map(|step| step.input[half].as_flattened_mut());
+                unpack(entries(&motion.by_inputs), to);
+            }
+        });
+    }
+}
+
+/// Memory for the integration of up to [`TOGETHER`] robots without quaternions.
+#[derive(Debug, Clone)]
+struct Group<V, const N: usize, const M: usize, const NY: usize> {
+    rollouts: Vec<Rollout<V, N, M>>,
+    starts: Vec<Point<N, M, NY>>,
+    points: Vec<Point<N, M, NY>>,
+    linear: Vec<Linearization<N, M, NY>>,
+    steps: Vec<Step<N, M, NY>>,
+}
+
+impl<V: Vector, const N: usize, const M: usize, const NY: usize> Group<V, N, M, NY> {
+    /// Memory, which robots with quaternions do not need.
+    fn new() -> Self {
+        const { assert!(V::WIDTH == WIDTH && TOGETHER % WIDTH == 0, "each lane has one robot") };
+        let robots = if N == NY { TOGETHER } else { 0 };
+        let step = Step {
+            coordinates: [0.0; NY],
+            velocities: [0.0; N],
+            state: [[[[0.0; N]; N]; 2]; 2],
+            input: [[[0.0; M]; N]; 2],
+        };
+        Self {
+            rollouts: vec![Rollout::new(); robots / WIDTH],
+            starts: Vec::with_capacity(robots),
+            points: Vec::with_capacity(robots),
+            linear: vec![Linearization::ZERO; robots],
+            steps: vec![step; robots],
+        }
+    }
+
+    fn integrate(
+        &mut self,
+        model: &impl Discretizable<N, M, NY>,
+        starts: impl Iterator<Item = Point<N, M, NY>>,
+        period: f64,
+        substeps: usize,
+    ) -> &[Step<N, M, NY>] {
+        let Self { rollouts, starts: first, points, linear, steps } = self;
+        first.clear();
+        first.extend(starts.take(steps.len()));
+        let Some(last) = first.last() else { return &[] };
+        let count = first.len();
+        points.clone_from(first);
+        // The remaining lanes repeat the last robot.
+        points.resize(count.next_multiple_of(WIDTH), *last);
+        for (rollout, points) in rollouts.iter_mut().zip(points.as_chunks().0) {
+            rollout.begin(points.each_ref());
+        }
+        let h = period / substeps as f64;
+        for substep in 0..substeps {
+            for (index, time) in TIMES.iter().enumerate() {
+                for (point, start) in points.iter_mut().zip(&*first) {
+                    point.time = start.time + (substep as f64 + time) * h;
+                }
+                model.linearize_along(instructions(), &points[..count], linear);
+                let (linear, points) = (linear.as_chunks().0, points.as_chunks_mut().0);
+                for ((rollout, linear), points) in rollouts.iter_mut().zip(linear).zip(points) {
+                    rollout.advance(linear.each_ref(), index, h);
+                    rollout.write_states(points);
+                }
+            }
+        }
+        for (rollout, steps) in rollouts.iter().zip(steps.as_chunks_mut().0) {
+            rollout.write_steps(steps);
+        }
+        &steps[..count]
+    }
+}
+
+/// Integrates several robots without quaternions (N = NY) by the classical Runge–Kutta method of order 4, and computes the
+/// derivatives by the chain rule over the stages. Nothing is allocated after [`Self::new`].
+///
+/// The results differ from those of [`Discretizable::step_derivatives`] by rounding, because products are fused if the
+/// processor has AVX2 with fused multiply-add.
+#[derive(Debug, Clone)]
+pub(crate) struct Rollouts<const N: usize, const M: usize, const NY: usize>(Engine<N, M, NY>);
+
+/// The method, compiled for the vector instructions of this processor.
+#[derive(Debug, Clone)]
+enum Engine<const N: usize, const M: usize, const NY: usize> {
+    Portable(Group<Portable, N, M, NY>),
+    #[cfg(all(target_arch = "x86_64", feature = "std"))]
+    Avx2(Group<Avx2, N, M, NY>),
+}
+
+impl<const N: usize, const M: usize, const NY: usize> Rollouts<N, M, NY> {
+    /// Selects the vector instructions and allocates all memory.
+    pub fn new() -> Self {
+        #[cfg(all(target_arch = "x86_64", feature = "std"))]
+        if has_avx2() {
+            return Self(Engine::Avx2(Group::new()));
+        }
+        Self(Engine::Portable(Group::new()))
+    }
+
+    /// Integrates from up to [`TOGETHER`] states, over a period (s) in `substeps` steps. Further states are ignored.
+    pub fn integrate(
+        &mut self,
+        model: &impl Discretizable<N, M, NY>,
+        starts: impl Iterator<Item = Point<N, M, NY>>,
+        period: f64,
+        substeps: usize,
+    ) -> &[Step<N, M, NY>] {
+        match &mut self.0 {
+            Engine::Portable(group) => group.integrate(model, starts, period, substeps),
+            #[cfg(all(target_arch = "x86_64", feature = "std"))]
+            Engine::Avx2(group) => group.integrate(model, starts, period, substeps),
+        }
+    }
+}
