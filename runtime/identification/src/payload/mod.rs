@@ -68,7 +68,8 @@ pub(crate) fn estimate(
     }
     let explained = equations.explained(&reduced, &found.load.parameters);
     let residuals = weights.iter().map(|&w| (w > 0.0).then(|| 1.0 / w.sqrt())).collect();
-    let mut payload = Payload { body, explained, residuals, ..report::values(&found, factor) };
+    let values = report::values(&found.load.parameters, &found.covariance, &found.sizes, factor);
+    let mut payload = Payload { body, explained, residuals, ..values };
     payload.findings = report::findings(&payload, &found.load, &robot.joint_names());
     Ok(payload)
 }

@@ -1,13 +1,12 @@
 //! Report on a load: mass, centre of mass, moments of inertia about the centre of mass, intervals, findings.
 
-use super::Found;
 use super::result::{NAMES, Payload};
 use crate::estimation::Uncertain;
 use crate::inertial::PER_BODY;
 use crate::inertial::consistent::ConsistentSolution;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
-use nalgebra::RowDVector;
+use nalgebra::{DMatrix, DVector, RowDVector};
 
 /// Sees: a mass of the load whose interval contains zero.
 /// Matters: there may be no load.
@@ -41,12 +40,18 @@ const WORSE: Rule = Rule::warning("load-residuals");
 
 /// The values of a load with their intervals.
 ///
+/// - `sizes`: for each parameter, its range among bodies with the mass of the load
 /// - `factor`: half width of an interval in standard errors
-pub(super) fn values(found: &Found, factor: f64) -> Payload {
-    let pi: [f64; PER_BODY] = std::array::from_fn(|k| found.load.parameters[k]);
+pub(super) fn values(
+    parameters: &DVector<f64>,
+    covariance: &DMatrix<f64>,
+    sizes: &DVector<f64>,
+    factor: f64,
+) -> Payload {
+    let pi: [f64; PER_BODY] = std::array::from_fn(|k| parameters[k]);
     let half = |gradient: &[f64; PER_BODY]| {
         let g = RowDVector::from_row_slice(gradient);
-        factor * (&g * &found.covariance * g.transpose())[0].max(0.0).sqrt()
+        factor * (&g * covariance * g.transpose())[0].max(0.0).sqrt()
     };
     let of = |function: &dyn Fn(&[f64; PER_BODY]) -> f64| {
         let (value, half) = (function(&pi), half(&gradient(function, &pi)));
@@ -55,7 +60,7 @@ pub(super) fn values(found: &Found, factor: f64) -> Payload {
     let parameters: [Uncertain; PER_BODY] = std::array::from_fn(|k| of(&move |pi| pi[k]));
     let shown = std::array::from_fn(|k| {
         let [low, high] = parameters[k].interval;
-        0.5 * (high - low) < found.sizes[k]
+        0.5 * (high - low) < sizes[k]
     });
     Payload {
         mass: parameters[0],
