@@ -5,7 +5,7 @@ use super::doubts::written::{self, Written};
 use super::error::{IdentificationError, Result};
 use super::estimation::{Estimate, EstimationSettings, JointEstimate, estimate, repeated_motions};
 use super::friction::joint_samples::JointSamples;
-use super::friction::{CommonTerms, FrictionIdentification, FrictionMethod, FrictionReport};
+use super::friction::{FrictionIdentification, FrictionMethod, FrictionReport};
 use super::log::{ColumnOptions, Recording, runs_noting};
 use super::methods::stribeck::StribeckRegression;
 use super::preparation::{Delay, PreparationReport, PreparationSettings, prepare_all};
@@ -33,7 +33,7 @@ const NOTHING_LEFT: Rule = Rule::error("no-friction");
 /// Matters: the described friction stays.
 /// Example: a constant velocity.
 /// Fixture: `constant_logs` in `runtime/tests/identification_bad_input.rs`.
-pub(crate) const NO_FIT: Rule = Rule::error("no-friction-fit");
+const NO_FIT: Rule = Rule::error("no-friction-fit");
 
 /// Settings of an identification. The defaults suit a log about which nothing is known.
 #[derive(Debug, Clone)]
@@ -192,10 +192,9 @@ fn identified(
     let motions = repeated_motions(&prepared);
     let friction = (0..estimate.joints.len()).filter(rubs).map(|joint| {
         let runs = (&prepared[..], motions.as_deref());
-        let mut samples = JointSamples::new(joint, runs, &estimate, common(&estimate, joint));
+        let mut samples = JointSamples::new(joint, runs, &estimate);
         let law = samples.law(robot, &settings.friction, &data, &preparation);
-        let law = law.map_err(|error| vec![NO_FIT.found(error.to_string())]);
-        let mut report = law.and_then(|report| unless_refused(report, settings.accept_poor));
+        let mut report = unless_refused(law, settings.accept_poor);
         if let Ok(report) = &mut report {
             report.result.load = under_load(&estimate.joints[joint]).into_iter().collect();
         }
@@ -371,24 +370,14 @@ fn source(recording: &Recording) -> String {
     logs.collect::<Vec<_>>().join(", ")
 }
 
-/// A joint's friction terms in the estimate; `None` if the joint has no terms.
-pub(crate) fn common(estimate: &Estimate, joint: usize) -> Option<CommonTerms> {
-    let own = Some(&estimate.joints[joint].terms).filter(|terms| !terms.is_empty())?;
-    Some(CommonTerms {
-        bases: own.iter().map(|term| term.basis.clone()).collect(),
-        margins: estimate.terms_margins[joint].clone(),
-        covariance: estimate.terms_covariance[joint].clone(),
-        freedom: estimate.freedom.max(1) as f64,
-    })
-}
-
 /// The law, or the reasons for which it is refused.
 ///
 /// - `accept_poor`: whether a law is accepted in spite of the reasons. The reasons then become warnings.
 pub(crate) fn unless_refused(
-    mut report: FrictionReport,
+    report: Result<FrictionReport>,
     accept_poor: bool,
 ) -> std::result::Result<FrictionReport, Vec<Finding>> {
+    let mut report = report.map_err(|error| vec![NO_FIT.found(error.to_string())])?;
     let refusals: Vec<Finding> = report.result.refusals().cloned().collect();
     if report.result.vanishes() {
         let nothing = || vec![NOTHING_LEFT.found("no term differs from 0 by more than its standard error")];

@@ -151,10 +151,12 @@ impl PreparedRun {
         self.resting.get(joint).and_then(|rests| rests.get(sample)).copied().unwrap_or(false)
     }
 
-    /// Contiguous intervals of samples in which a joint does not rest.
-    pub(crate) fn moving(&self, joint: usize) -> Vec<Range<usize>> {
+    /// Contiguous intervals of the samples that are used for a joint: the samples at which the joint does not rest. If the
+    /// joint does not move in any run, all samples are used, because it has no friction law and its constant stiction is an
+    /// offset.
+    pub(crate) fn stretches(&self, joint: usize, moves: bool) -> Vec<Range<usize>> {
         let mut stretches: Vec<Range<usize>> = Vec::new();
-        for i in (0..self.times.len()).filter(|i| !self.rests(joint, *i)) {
+        for i in (0..self.times.len()).filter(|i| !moves || !self.rests(joint, *i)) {
             match stretches.last_mut() {
                 Some(stretch) if stretch.end == i => stretch.end = i + 1,
                 _ => stretches.push(i..i + 1),

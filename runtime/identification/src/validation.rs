@@ -7,7 +7,6 @@ use super::estimation::Gravity;
 use super::identify::{Identification, IdentificationSettings};
 use super::log::runs_noting;
 use super::preparation::{Filter, prepare_as};
-use super::result::FrictionResult;
 use super::robot::Robot;
 use super::run::{Effort, PreparedRun};
 use super::shafts::RobotRows;
@@ -84,14 +83,9 @@ pub fn validate(
     beyond(robot, &recording, &prepared).into_iter().for_each(|found| say(&found.accepted()));
     let rows = RobotRows::new(robot, found.shafts.clone());
     let prepared = rows.along(prepared);
-    let mut model = Prediction::new(&rows, found, settings.estimation.gravity_compensated)?;
-    let mut sums = vec![[Sums::default(); 2]; model.joints];
-    for run in &prepared {
-        model.set_friction(run, &report.filter)?;
-        for sample in 0..run.times.len() {
-            model.add(run, sample, &mut sums);
-        }
-    }
+    let model = Prediction::new(&rows, found, settings.estimation.gravity_compensated);
+    let mut sums = vec![[Sums::default(); 2]; found.estimate.joints.len()];
+    prepared.iter().try_for_each(|run| model.add(run, &report.filter, &mut sums))?;
     let joints = found.estimate.joints.iter().zip(sums);
     let judged: Vec<JointValidation> = joints.map(|(joint, sums)| judged(joint.name.clone(), sums)).collect();
     for (joint, JointValidation { r_squared, .. }) in
@@ -157,111 +151,72 @@ fn judged(name: String, [moving, all]: [Sums; 2]) -> JointValidation {
 struct Prediction<'a> {
     robot: &'a dyn Robot,
     found: &'a Identification,
-    /// Inertial parameters of the weight that the robot compensates; `None` if the robot does not compensate gravity.
-    compensated: Option<Vec<f64>>,
-    joints: usize,
+    input_matrix: Vec<f64>,
     /// Identified minus described inertial parameters.
     changes: Vec<f64>,
-    /// Loads of the gears: rigid-body forces `M ÿ + k − q` with gravity, with the mass matrix M, the bias
-    /// force k and the applied forces q.
-    loads: Vec<f64>,
-    input_matrix: Vec<f64>,
-    regressor: Vec<f64>,
-    forces: Vec<f64>,
-    /// Friction of each joint along the run, filtered as the efforts are; `None` if the friction depends on the load.
-    friction: Vec<Option<Vec<f64>>>,
+    /// Inertial parameters of the weight that the robot compensates; `None` if the robot does not compensate gravity.
+    compensated: Option<Vec<f64>>,
 }
 
 impl<'a> Prediction<'a> {
-    fn new(robot: &'a dyn Robot, found: &'a Identification, is_gravity_compensated: bool) -> Result<Self> {
-        let joints = robot.joint_names().len();
+    fn new(robot: &'a dyn Robot, found: &'a Identification, is_gravity_compensated: bool) -> Self {
         let values: Vec<f64> = found.estimate.parameters.iter().map(|parameter| parameter.value).collect();
-        let changes: Vec<f64> = values.iter().zip(robot.parameters()).map(|(new, old)| new - old).collect();
+        let changes = values.iter().zip(robot.parameters()).map(|(new, old)| new - old).collect();
         let compensated = is_gravity_compensated.then(|| match found.estimate.gravity {
             Gravity::CompensatedAsDescribed => robot.parameters(),
             Gravity::Compensated | Gravity::Recorded => values,
         });
-        Ok(Self {
-            robot,
-            found,
-            compensated,
-            joints,
-            loads: vec![0.0; joints],
-            input_matrix: robot.input_matrix(),
-            regressor: vec![0.0; joints * changes.len()],
-            forces: vec![0.0; joints],
-            friction: vec![None; joints],
-            changes,
-        })
+        Self { robot, found, input_matrix: robot.input_matrix(), changes, compensated }
     }
 
-    /// The friction law of a joint; `None` if it has no law.
-    fn law(&self, joint: usize) -> Option<&'a FrictionResult> {
-        self.found.law(joint).map(|report| &report.result)
-    }
-
-    fn set_friction(&mut self, run: &PreparedRun, filter: &Filter) -> Result<()> {
-        for joint in 0..self.joints {
-            let law = self.law(joint);
-            let needs_load = law.is_some_and(|law| !law.load.is_empty());
+    /// Adds the measured and predicted efforts of a run to the sums of each joint.
+    fn add(&self, run: &PreparedRun, filter: &Filter, sums: &mut [[Sums; 2]]) -> Result<()> {
+        let law = |joint: usize| self.found.law(joint).map(|report| &report.result);
+        // Friction along the run, filtered as the efforts are; `None` if the friction depends on the load.
+        let friction = |joint: usize| {
+            let needs_load = law(joint).is_some_and(|law| !law.load.is_empty());
             let written = Written { robot: self.robot, filter, joint };
-            let friction = (!needs_load).then(|| written.friction(law, &run.velocities[joint]));
-            self.friction[joint] = friction.transpose()?;
+            (!needs_load).then(|| written.friction(law(joint), &run.velocities[joint])).transpose()
+        };
+        let friction = (0..sums.len()).map(friction).collect::<Result<Vec<Option<Vec<f64>>>>>()?;
+        for sample in 0..run.times.len() {
+            let [y, v, a] = run.state(sample);
+            // Loads of the gears: rigid-body forces `M ÿ + k − q` with gravity, with the mass matrix M, the bias force k and
+            // the applied forces q.
+            let mut loads = vec![0.0; sums.len()];
+            self.robot.rigid_forces(&y, &v, &a, &mut loads);
+            self.add_regressor([&y, &v, &a], 1.0, &self.changes, &mut loads);
+            let (mut forces, zero) = (loads.clone(), vec![0.0; v.len()]);
+            if let Some(compensated) = &self.compensated {
+                self.add_regressor([&y, &zero, &zero], -1.0, compensated, &mut forces);
+            }
+            let joints = self.found.estimate.joints.iter().enumerate();
+            for (joint, of_joint) in joints.filter(|(_, of_joint)| of_joint.measured) {
+                let inertia = of_joint.armature.map_or(0.0, |armature| armature.value) * a[joint];
+                let friction = match (&friction[joint], law(joint)) {
+                    (Some(friction), _) => friction[sample],
+                    // A law that cannot be evaluated makes the prediction NaN, and the sample is not counted.
+                    (None, Some(law)) => law.torque(v[joint], loads[joint] + inertia).unwrap_or(f64::NAN),
+                    (None, None) => 0.0,
+                };
+                let predicted = forces[joint] + (friction + inertia);
+                let gain =
+                    of_joint.gain.filter(|_| run.effort != Effort::Joint).map_or(1.0, |gain| gain.value);
+                let measured = run.force(&self.input_matrix, joint, sample) * gain;
+                if measured.is_finite() && predicted.is_finite() {
+                    let counted = usize::from(run.rests(joint, sample));
+                    sums[joint][counted..].iter_mut().for_each(|sums| sums.add(measured, predicted));
+                }
+            }
         }
         Ok(())
     }
 
-    fn add(&mut self, run: &PreparedRun, sample: usize, sums: &mut [[Sums; 2]]) {
-        let [y, v, a] = run.state(sample);
-        self.rigid(&y, &v, &a);
-        // A joint without measured efforts in the logs of the identification has no identified law.
-        let known = |joint: &usize| self.found.estimate.joints[*joint].measured;
-        for joint in (0..sums.len()).filter(known) {
-            let measured = self.measured(run, joint, sample);
-            let predicted = self.forces[joint] + self.at_joint(joint, sample, [v[joint], a[joint]]);
-            if measured.is_finite() && predicted.is_finite() {
-                let counted = usize::from(run.rests(joint, sample));
-                sums[joint][counted..].iter_mut().for_each(|sums| sums.add(measured, predicted));
-            }
-        }
-    }
-
-    /// Computes the rigid-body forces `M ÿ + k − q` with the identified parameters, without gravity if the
-    /// robot compensates it. M is the mass matrix, k the bias force and q the applied forces.
-    fn rigid(&mut self, y: &[f64], v: &[f64], a: &[f64]) {
-        self.robot.rigid_forces(y, v, a, &mut self.forces);
-        self.add_regressor([y, v, a], 1.0, &self.changes.clone());
-        self.loads.copy_from_slice(&self.forces);
-        if let Some(compensated) = self.compensated.clone() {
-            let zero = vec![0.0; v.len()];
-            self.add_regressor([y, &zero, &zero], -1.0, &compensated);
-        }
-    }
-
-    fn add_regressor(&mut self, [y, v, a]: [&[f64]; 3], sign: f64, parameters: &[f64]) {
-        self.regressor.fill(0.0);
-        self.robot.inertial_regressor(y, v, a, &mut self.regressor);
-        let rows = self.regressor.chunks_exact(parameters.len().max(1));
-        for (force, row) in self.forces.iter_mut().zip(rows) {
+    fn add_regressor(&self, [y, v, a]: [&[f64]; 3], sign: f64, parameters: &[f64], forces: &mut [f64]) {
+        let mut regressor = vec![0.0; forces.len() * parameters.len()];
+        self.robot.inertial_regressor(y, v, a, &mut regressor);
+        for (force, row) in forces.iter_mut().zip(regressor.chunks_exact(parameters.len().max(1))) {
             *force += sign * row.iter().zip(parameters).map(|(w, p)| w * p).sum::<f64>();
         }
-    }
-
-    /// Friction and force of the added inertia of a joint.
-    fn at_joint(&self, joint: usize, sample: usize, [v, a]: [f64; 2]) -> f64 {
-        let inertia = self.found.estimate.joints[joint].armature.map_or(0.0, |armature| armature.value);
-        let load = self.loads[joint] + inertia * a;
-        let friction = match (&self.friction[joint], self.law(joint)) {
-            (Some(friction), _) => friction[sample],
-            // A law that cannot be evaluated makes the prediction NaN, and the sample is not counted.
-            (None, Some(law)) => law.torque(v, load).unwrap_or(f64::NAN),
-            (None, None) => 0.0,
-        };
-        friction + inertia * a
-    }
-
-    fn measured(&self, run: &PreparedRun, joint: usize, sample: usize) -> f64 {
-        let gain = self.found.estimate.joints[joint].gain.filter(|_| run.effort != Effort::Joint);
-        run.force(&self.input_matrix, joint, sample) * gain.map_or(1.0, |gain| gain.value)
     }
 }

@@ -4,7 +4,7 @@ use super::data::{Samples, rms};
 use crate::arm::Friction;
 use crate::study::Outcome;
 use gelenk_identification::friction::{
-    FrictionData, FrictionIdentification, FrictionMethod, FrictionReport, LambdaChoice, Offsets,
+    FrictionData, FrictionIdentification, FrictionMethod, FrictionReport, Offsets,
 };
 use gelenk_identification::methods::lasso::Lasso;
 use gelenk_identification::methods::library::Library;
@@ -38,7 +38,7 @@ impl Method {
     fn settings(self) -> FrictionMethod {
         match self {
             Self::Thresholding => FrictionMethod::Thresholding(Thresholding::default()),
-            Self::Lasso => FrictionMethod::Lasso(standardized(), LambdaChoice::OneStandardError),
+            Self::Lasso => FrictionMethod::Lasso(standardized()),
             Self::Stribeck => FrictionMethod::Stribeck(StribeckRegression::default()),
         }
     }

@@ -8,7 +8,7 @@ use super::choice::{Chosen, Freedom, choose};
 use super::delays::FirstFit;
 use super::estimated::{Estimated, is_doubted, is_unexplained, require_explained, unexplained};
 use super::fit::HeldOut;
-use super::intervals::{Fitted, correlation_time, covariance, offset_errors, scores};
+use super::intervals::{RigidFit, correlation_time, covariance, offset_errors, scores};
 use super::joint_prior::JointPrior;
 use super::layout::Layout;
 use super::loads::{Loads, PASSES, settled};
@@ -209,12 +209,9 @@ fn pass(
     let mut robust = first.clone();
     for pass in 0..settings.robust_passes {
         let chosen = task.choose(&robust)?;
-        progress(&format!(
-            "Pass {} of {} reduces the weights of outliers.",
-            pass + 1,
-            settings.robust_passes
-        ));
-        let offsets = chosen.offsets();
+        let passes = settings.robust_passes;
+        progress(&format!("Pass {} of {passes} reduces the weights of outliers.", pass + 1));
+        let offsets = chosen.centred.all_offsets(&chosen.values);
         let forces = task.forces(&chosen.values, &offsets);
         outlier = robust_deviations(layout, runs, &forces);
         times = task.correlation_times(&forces);
@@ -263,7 +260,7 @@ impl Task<'_> {
             return Ok(None);
         }
         let chosen = self.choose(sums)?;
-        let forces = self.forces(&chosen.values, &chosen.offsets());
+        let forces = self.forces(&chosen.values, &chosen.centred.all_offsets(&chosen.values));
         Ok(Some(FirstFit::new(self.layout, self.runs, &chosen.values, &forces)))
     }
 
@@ -353,19 +350,15 @@ impl Task<'_> {
         outlier: &[f64],
         progress: &mut dyn FnMut(&str),
     ) -> Result<Estimate> {
-        let solved = last.solved(self.prior)?;
-        let offsets = offsets_of(&last.centred, &solved.values);
+        let fit = RigidFit::new(last, self.prior, outlier)?;
         progress("Intervals are computed for correlated residuals.");
-        let forces = self.forces(&solved.values, &offsets);
+        let forces = self.forces(&fit.solved.values, &fit.offsets);
         let times = self.correlation_times(&forces);
         let measured = times.iter().zip(&self.layout.measured).filter(|(_, measured)| **measured);
         let time = measured.map(|(time, _)| *time).fold(1.0, f64::max);
-        let fitted = Fitted { chosen: last, solved: &solved, offsets: &offsets, outlier };
-        let margin = change_at_margin(self, &fitted);
-        let scores = scores(&mut self.rows(), self.layout, self.runs, &fitted, time);
-        let covariance = covariance(&fitted, self.prior, &scores)?;
-        let errors = |joint: usize| offset_errors(&fitted, self.prior, &covariance, joint);
-        let offset_errors: RunOffsets = (0..self.layout.joints).map(errors).collect();
+        let covariance = covariance(&fit, &scores(&mut self.rows(), self.runs, &fit, time))?;
+        let errors = |joint: usize| offset_errors(&fit, &covariance, joint);
+        let offset_errors = (0..self.layout.joints).map(errors).collect();
         let judged = last.with_sums(plain, self.prior)?;
         let errors = judged.held_out(self.prior)?;
         let held_out = judged.centred_r_squared(&errors.rss);
@@ -376,22 +369,17 @@ impl Task<'_> {
             fitted: Estimated {
                 robot: self.robot,
                 settings: self.settings,
-                layout: self.layout,
-                prior: self.prior,
                 gravity: self.gravity,
-                chosen: last,
-                solved: &solved,
-                covariance: &covariance,
-                margin: &margin,
+                margin: change_at_margin(self, &fit),
+                fit: &fit,
+                covariance,
                 delays: self.first_fit.map_or(&[], |fit| &fit.delays),
             },
             runs: self.runs,
             forces: &forces,
-            offsets: &offsets,
-            offset_errors: &offset_errors,
+            offset_errors,
             held_out: &held_out,
             with_rest: with_rest.as_deref().unwrap_or(&held_out),
-            has_loads: self.loads.is_some(),
         };
         Ok(report.estimate(doubts.into_iter().map(Finding::accepted).collect()))
     }
@@ -447,7 +435,7 @@ impl Task<'_> {
     fn correlation_times(&self, forces: &Forces) -> Vec<f64> {
         let time = |j: usize| {
             let of_run = |(run, forces): (&PreparedRun, &Vec<Vec<f64>>)| {
-                let stretches = self.layout.stretches(run, j).into_iter();
+                let stretches = run.stretches(j, self.layout.moves[j]).into_iter();
                 stretches.map(|rows| forces[j][rows].to_vec()).collect::<Vec<_>>()
             };
             let series: Vec<Vec<f64>> = self.runs.iter().zip(&forces.residual).flat_map(of_run).collect();
@@ -457,16 +445,7 @@ impl Task<'_> {
     }
 }
 
-/// Offsets of each joint's force in each run, for given values of the unknowns.
-fn offsets_of(centred: &Centred, values: &Values) -> RunOffsets {
-    (0..centred.layout.joints).map(|j| centred.offsets(values, j)).collect()
-}
-
 impl Chosen<'_> {
-    pub(super) fn offsets(&self) -> RunOffsets {
-        offsets_of(&self.centred, &self.values)
-    }
-
     /// R² of each joint from its residual sum of squares. The total sum of squares is centred over the runs
     /// that share an offset.
     pub(super) fn centred_r_squared(&self, rss: &[f64]) -> Vec<f64> {

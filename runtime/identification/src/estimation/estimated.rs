@@ -6,13 +6,10 @@ use super::super::inertial::PER_BODY;
 use super::super::methods::confidence::quantile;
 use super::super::methods::library::smooth_sign;
 use super::super::robot::Robot;
-use super::choice::Chosen;
-use super::fit::Solved;
-use super::intervals::Covariance;
+use super::intervals::{Covariance, RigidFit};
 use super::layout::{ARMATURE, ASYMMETRY, COULOMB, LOAD, Layout, VISCOUS};
 use super::normal::residual_vector;
-use super::prior::Prior;
-use super::result::{Estimate, EstimatedTerm, Gravity, JointEstimate, Offsets, Uncertain};
+use super::result::{CommonTerms, Estimate, EstimatedTerm, Gravity, JointEstimate, Offsets, Uncertain};
 use super::sensitivity::{JointSensitivity, Sensitivity};
 use super::settings::EstimationSettings;
 use super::trial::is_refusal;
@@ -54,34 +51,36 @@ const MOTOR_CONSTANT: Rule = Rule::warning("motor-constant-unknown");
 pub(super) struct Estimated<'a> {
     pub(super) robot: &'a dyn Robot,
     pub(super) settings: &'a EstimationSettings,
-    pub(super) layout: &'a Layout,
-    pub(super) prior: &'a Prior,
     pub(super) gravity: Gravity,
-    pub(super) chosen: &'a Chosen<'a>,
-    pub(super) solved: &'a Solved,
-    pub(super) covariance: &'a Covariance,
+    pub(super) fit: &'a RigidFit<'a>,
+    pub(super) covariance: Covariance,
     /// Change of each unknown if the samples near rests and reversals are left out.
-    pub(super) margin: &'a DVector<f64>,
+    pub(super) margin: DVector<f64>,
     /// Delays \[s\] that were removed from the efforts after the first fit, one for each index of a delay.
     pub(super) delays: &'a [f64],
 }
 
 impl Estimated<'_> {
+    pub(super) fn layout(&self) -> &Layout {
+        self.fit.layout()
+    }
+
     /// The estimate without the forces along the runs.
     ///
     /// - `fits`: offsets of each joint, and quality of the fit of its force
     pub(super) fn estimate(&self, fits: Vec<JointEstimate>, mut findings: Vec<Finding>) -> Estimate {
         findings.extend(self.untold_gains());
+        let (layout, chosen, changes) = (self.layout(), self.fit.chosen, &self.fit.solved.values.unknowns);
+        let described = self.robot.parameters().into_iter().enumerate();
         let joints = self.robot.joint_names().into_iter().zip(fits).enumerate();
         Estimate {
-            parameters: self.parameters(|i, described| self.uncertain(i, described)),
-            consistent: self.prior.can_exist(&self.solved.values.unknowns),
+            parameters: described.map(|(i, described)| self.uncertain(i, described)).collect(),
+            consistent: self.fit.prior.can_exist(changes),
             joints: joints.map(|(joint, (name, fit))| self.joint(joint, name, fit)).collect(),
-            effort: self.layout.effort,
+            effort: layout.effort,
             gravity: self.gravity,
-            offsets: self.chosen.model.offsets,
-            description_weight: self.chosen.weighting.description,
-            effective_parameters: self.covariance.decided,
+            offsets: chosen.model.offsets,
+            description_weight: chosen.weighting.description,
             parameter_covariance: self.parameter_covariance(),
             sensitivity: self.sensitivity(),
             measured: Vec::new(),
@@ -89,19 +88,11 @@ impl Estimated<'_> {
             friction: Vec::new(),
             load_friction: Vec::new(),
             confidence: self.settings.confidence,
-            terms_covariance: (0..self.layout.joints).map(|joint| self.terms_covariance(joint)).collect(),
-            terms_margins: (0..self.layout.joints).map(|joint| self.terms_margins(joint)).collect(),
+            common: (0..layout.joints).map(|joint| self.common(joint)).collect(),
             freedom: self.covariance.freedom,
-            delays: self.delays(),
+            delays: layout.delays.iter().map(|number| self.delay(*number)).collect(),
             findings,
         }
-    }
-
-    /// A value for each inertial parameter.
-    ///
-    /// - `of`: returns the value for the index and the described value of a parameter
-    pub(super) fn parameters(&self, of: impl Fn(usize, f64) -> Uncertain) -> Vec<Uncertain> {
-        self.robot.parameters().into_iter().enumerate().map(|(i, described)| of(i, described)).collect()
     }
 
     /// Findings about the kind of offsets.
@@ -117,13 +108,13 @@ impl Estimated<'_> {
                      offset nor friction is estimated for these joints";
         let said = [(false, said), (true, exact)];
         said.into_iter()
-            .filter(|(kind, _)| self.layout.exact.contains(kind))
+            .filter(|(kind, _)| self.layout().exact.contains(kind))
             .map(|(_, said)| OFFSETS.found(said))
     }
 
     /// Products from which the loss of R² by other inertial parameters is computed.
     fn sensitivity(&self) -> Sensitivity {
-        let (layout, centred, values) = (self.layout, &self.chosen.centred, &self.solved.values);
+        let (layout, centred, values) = (self.layout(), &self.fit.chosen.centred, &self.fit.solved.values);
         let joint = |j: usize| {
             let (all, local) = (&centred.all[j], &layout.local[j]);
             let places: Vec<usize> = (0..local.len()).filter(|k| local[*k] < layout.parameters).collect();
@@ -141,8 +132,8 @@ impl Estimated<'_> {
     /// Covariance of the inertial parameters, scaled to the reported standard errors; zero for parameters that the data may
     /// not change.
     fn parameter_covariance(&self) -> DMatrix<f64> {
-        let count = self.layout.parameters;
-        let active = self.solved.active.iter().enumerate().take_while(|(_, global)| **global < count);
+        let count = self.layout().parameters;
+        let active = self.fit.solved.active.iter().enumerate().take_while(|(_, global)| **global < count);
         let active: Vec<(usize, usize)> = active.map(|(place, global)| (place, *global)).collect();
         let matrix = &self.covariance.matrix;
         let factor = |&(place, global): &(usize, usize)| {
@@ -159,22 +150,21 @@ impl Estimated<'_> {
         covariance
     }
 
-    /// Covariance of the coefficients of a joint's friction terms.
-    fn terms_covariance(&self, joint: usize) -> DMatrix<f64> {
-        let unknowns = self.term_unknowns(joint);
-        let of = |i: usize, k: usize| self.covariance.of(self.solved, unknowns[i], unknowns[k]);
-        DMatrix::from_fn(unknowns.len(), unknowns.len(), of)
-    }
-
-    /// Changes of the coefficients of a joint's friction terms if the samples near rests and reversals are left out.
-    fn terms_margins(&self, joint: usize) -> DVector<f64> {
-        let margins = self.term_unknowns(joint).into_iter().map(|global| self.margin[global]);
-        DVector::from_vec(margins.collect())
+    /// The friction terms of a joint with the errors of their coefficients; `None` if the joint has no terms.
+    fn common(&self, joint: usize) -> Option<CommonTerms> {
+        let (bases, unknowns): (Vec<String>, Vec<usize>) = self.bases(joint).into_iter().unzip();
+        let of = |i: usize, k: usize| self.covariance.of(&self.fit.solved, unknowns[i], unknowns[k]);
+        (!bases.is_empty()).then(|| CommonTerms {
+            bases,
+            margins: DVector::from_fn(unknowns.len(), |i, _| self.margin[unknowns[i]]),
+            covariance: DMatrix::from_fn(unknowns.len(), unknowns.len(), of),
+            freedom: self.covariance.freedom.max(1) as f64,
+        })
     }
 
     /// The finding about the remaining delays; `None` if the delays are known.
     fn delays_found(&self) -> Option<Finding> {
-        let mut numbers = self.layout.delays.clone();
+        let mut numbers = self.layout().delays.clone();
         numbers.sort_unstable();
         numbers.dedup();
         let half = |delay: Uncertain| 0.5 * (delay.interval[1] - delay.interval[0]);
@@ -193,19 +183,14 @@ impl Estimated<'_> {
     /// Remaining delay with an index, including the part that was removed after the first fit.
     fn delay(&self, number: usize) -> Uncertain {
         let before = self.delays.get(number).copied().unwrap_or(0.0);
-        self.uncertain(self.layout.delay(number), before)
-    }
-
-    /// Remaining delay of each effort.
-    fn delays(&self) -> Vec<Uncertain> {
-        self.layout.delays.iter().map(|number| self.delay(*number)).collect()
+        self.uncertain(self.layout().delay(number), before)
     }
 
     /// The finding about the parameter of a body whose described value is farthest outside its interval; `None` if the
     /// intervals contain all described values of the body.
     fn contradicted(&self, names: &[String], body: usize) -> Option<Finding> {
         let of = |i: usize| {
-            let described = self.prior.described[i];
+            let described = self.fit.prior.described[i];
             let Uncertain { value, interval: [low, high], .. } = self.uncertain(i, described);
             let half = 0.5 * (high - low);
             ((value - described).abs() / half, i, [value, half, described])
@@ -226,25 +211,26 @@ impl Estimated<'_> {
     /// Findings about the weight of the description, the bodies whose descriptions have a smaller weight, and the delays.
     pub(super) fn choices(&self) -> impl Iterator<Item = Finding> {
         let names = self.robot.parameter_names();
-        let all = self.solved.active.iter().filter(|&&global| global < names.len()).count();
+        let weighting = &self.fit.chosen.weighting;
+        let all = self.fit.solved.active.iter().filter(|&&global| global < names.len()).count();
         let weight = format!(
             "the description has the weight {}. The data determine {:.1} of {all} combinations of inertial parameters, and the \
              description determines the rest",
-            plain(self.chosen.weighting.description, 4),
+            plain(weighting.description, 4),
             self.covariance.decided
         );
-        let trust = &self.chosen.weighting.trust;
-        let doubted = self.prior.bodies.iter().filter(move |body| trust[*body * PER_BODY] < 1.0);
+        let bodies = self.fit.prior.bodies.iter();
+        let doubted = bodies.filter(move |body| weighting.trust[*body * PER_BODY] < 1.0);
         let doubted = doubted.filter_map(move |body| self.contradicted(&names, *body));
         std::iter::once(WEIGHT.found(weight)).chain(doubted).chain(self.delays_found())
     }
 
     /// Value of an unknown plus `base`, with its interval. Student's interval is extended on both sides by the change of the
     /// value if the samples near rests and reversals are left out.
-    pub(super) fn uncertain(&self, global: usize, base: f64) -> Uncertain {
-        let error = self.covariance.deviation(self.solved, global);
+    fn uncertain(&self, global: usize, base: f64) -> Uncertain {
+        let error = self.covariance.of(&self.fit.solved, global, global).max(0.0).sqrt();
         let distance = self.margin[global].abs();
-        let value = base + self.solved.values.unknowns[global];
+        let value = base + self.fit.solved.values.unknowns[global];
         let [low, high] = self.with_interval(value, error, self.covariance.freedom).interval;
         Uncertain {
             value,
@@ -254,48 +240,34 @@ impl Estimated<'_> {
     }
 
     /// Value with its interval by Student's t distribution. At least one degree of freedom is assumed.
-    pub(super) fn with_interval(&self, value: f64, standard_error: f64, freedom: usize) -> Uncertain {
+    fn with_interval(&self, value: f64, standard_error: f64, freedom: usize) -> Uncertain {
         let quantile = quantile(self.settings.confidence, freedom.max(1) as f64).unwrap_or(f64::INFINITY);
         let half = quantile * standard_error;
         Uncertain { value, standard_error, interval: [value - half, value + half] }
     }
 
-    /// The chosen friction terms of a joint.
-    ///
-    /// - `of`: returns the coefficient for the index of an unknown
-    pub(super) fn terms(&self, joint: usize, of: impl Fn(usize) -> Uncertain) -> Vec<EstimatedTerm> {
-        let terms = self.bases(joint).into_iter();
-        let term = |(basis, term)| EstimatedTerm { basis, coefficient: of(self.layout.term(joint, term)) };
-        terms.map(term).collect()
-    }
-
-    /// Indices of the unknowns of the chosen friction terms of a joint.
-    pub(super) fn term_unknowns(&self, joint: usize) -> Vec<usize> {
-        self.bases(joint).into_iter().map(|(_, term)| self.layout.term(joint, term)).collect()
-    }
-
-    /// The chosen friction terms of a joint, with their index among the candidates.
+    /// The chosen friction terms of a joint, with the indices of their unknowns.
     fn bases(&self, joint: usize) -> Vec<(String, usize)> {
-        let (layout, model) = (self.layout, &self.chosen.model);
+        let (layout, model) = (self.layout(), &self.fit.chosen.model);
         if !layout.rubbing().any(|rubbing| rubbing == joint) {
             return Vec::new();
         }
-        let mut bases =
-            vec![("v".to_owned(), VISCOUS), (self.coulomb(joint), COULOMB.start + model.coulomb[joint])];
-        bases.extend(model.asymmetry[joint].then(|| ("abs(v)".to_owned(), ASYMMETRY)));
-        bases
+        let coulomb = (self.coulomb(joint), COULOMB.start + model.coulomb[joint]);
+        let asymmetry = model.asymmetry[joint].then(|| ("abs(v)".to_owned(), ASYMMETRY));
+        let bases = [("v".to_owned(), VISCOUS), coulomb].into_iter().chain(asymmetry);
+        bases.map(|(basis, term)| (basis, layout.term(joint, term))).collect()
     }
 
     /// Expression of a joint's Coulomb term.
     fn coulomb(&self, joint: usize) -> String {
-        smooth_sign(self.layout.steepness[joint][self.chosen.model.coulomb[joint]])
+        smooth_sign(self.layout().steepness[joint][self.fit.chosen.model.coulomb[joint]])
     }
 
     /// Motor constant K_M of a joint's drive. The interval is computed for the logarithm of K_M.
     fn gain(&self, joint: usize) -> Uncertain {
-        let value = self.solved.values.gains[joint];
-        let error = self.chosen.log_gains[(joint, joint)].max(0.0).sqrt();
-        let folds = self.chosen.centred.without.len();
+        let (chosen, value) = (self.fit.chosen, self.fit.solved.values.gains[joint]);
+        let error = chosen.log_gains[(joint, joint)].max(0.0).sqrt();
+        let folds = chosen.centred.without.len();
         let [low, high] = self.with_interval(0.0, error, folds.saturating_sub(1)).interval;
         let mut interval = [low, high].map(|end| value * end.exp());
         interval.sort_by(f64::total_cmp);
@@ -312,18 +284,19 @@ impl Estimated<'_> {
             let remedy = "set `motor_constant` from the data sheet or from a test with a known load, or convert the currents to torques";
             MOTOR_CONSTANT.found(message).of(self.robot.subject(joint)).help(remedy)
         };
-        self.layout.unknown_gains().filter(untold).map(finding).collect()
+        self.layout().unknown_gains().filter(untold).map(finding).collect()
     }
 
     fn joint(&self, joint: usize, name: String, fit: JointEstimate) -> JointEstimate {
-        let (layout, model) = (self.layout, &self.chosen.model);
+        let (layout, model) = (self.layout(), &self.fit.chosen.model);
         let measured = layout.measured[joint];
         let of_term = |term: usize| self.uncertain(layout.term(joint, term), 0.0);
+        let term = |(basis, global)| EstimatedTerm { basis, coefficient: self.uncertain(global, 0.0) };
         let has = |term: &[bool]| term[joint] && layout.moves[joint];
         JointEstimate {
             name,
             unit: if self.robot.position_units()[joint] == "m" { "N" } else { "N·m" },
-            terms: self.terms(joint, |global| self.uncertain(global, 0.0)),
+            terms: self.bases(joint).into_iter().map(term).collect(),
             load: has(&model.load)
                 .then(|| EstimatedTerm { basis: self.coulomb(joint), coefficient: of_term(LOAD) }),
             armature: has(&model.armature).then(|| of_term(ARMATURE)),

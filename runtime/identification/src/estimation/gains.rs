@@ -24,7 +24,7 @@ use super::fit::deviations;
 use super::layout::{ARMATURE, ASYMMETRY, Layout, VISCOUS};
 use super::levels;
 use super::normal::{Centred, Factor, RIDGE, Values};
-use super::normal::{assemble, force_vector, regularized, residual_vector, selection, with_ridge};
+use super::normal::{assemble, force_vector, inverse, regularized, residual_vector, selection, with_ridge};
 use super::prior::Prior;
 use super::sums::Sums;
 use nalgebra::{DMatrix, DVector};
@@ -216,7 +216,7 @@ impl<'a> Equations<'a> {
             let shares = one.len() == other.len() && one.len() > 1;
             if i == k || shares { one.dot(other) } else { 0.0 }
         });
-        let precision = Factor::new(&covariance)?.solve(&DMatrix::identity(joints.len(), joints.len()));
+        let precision = inverse(&covariance)?;
         let active = active(layout, prior);
         let bodies = active.iter().take_while(|&&global| global < layout.parameters).count();
         let metric = DMatrix::from_fn(bodies, bodies, |i, k| metric[(active[i], active[k])]);

@@ -32,14 +32,37 @@ pub(super) struct Scores {
     are_groups: bool,
 }
 
-/// A fit whose scores (gradients of the objective) are computed.
-pub(super) struct Fitted<'a> {
+/// A fit of bodies, friction and drives to sums of products, with the description as prior.
+pub(super) struct RigidFit<'a> {
     pub(super) chosen: &'a Chosen<'a>,
-    pub(super) solved: &'a Solved,
-    pub(super) offsets: &'a RunOffsets,
+    pub(super) prior: &'a Prior,
+    pub(super) solved: Solved,
+    pub(super) offsets: RunOffsets,
     /// Robust standard deviation of each joint's residual. Samples whose residual exceeds a multiple of it lose weight. It is
     /// infinite if all samples have the weight one.
     pub(super) outlier: &'a [f64],
+}
+
+impl<'a> RigidFit<'a> {
+    pub(super) fn new(chosen: &'a Chosen<'a>, prior: &'a Prior, outlier: &'a [f64]) -> Result<Self> {
+        let solved = chosen.solved(prior)?;
+        let offsets = chosen.centred.all_offsets(&solved.values);
+        Ok(Self { chosen, prior, solved, offsets, outlier })
+    }
+
+    pub(super) fn layout(&self) -> &'a Layout {
+        self.chosen.centred.layout
+    }
+
+    /// Weight of each joint's squared force.
+    pub(super) fn weights(&self) -> Vec<f64> {
+        force_weights(&self.chosen.weighting, &self.solved.values.gains)
+    }
+
+    /// Derivatives of a joint's columns, with their factors, with respect to the active unknowns.
+    fn selection(&self, joint: usize) -> DMatrix<f64> {
+        selection((self.layout(), joint, self.solved.values.gains[joint]), &self.solved.active)
+    }
 }
 
 /// Integrated autocorrelation time of a series in samples, `1 + 2 Σ ρ` with the autocorrelations ρ. The sum
@@ -65,23 +88,17 @@ pub(crate) fn correlation_time(series: &[&[f64]]) -> f64 {
 }
 
 /// Computes the scores of the blocks (gradients of the objective) in one pass along the runs.
-pub(super) fn scores(
-    rows: &mut Rows,
-    layout: &Layout,
-    runs: &[PreparedRun],
-    of: &Fitted,
-    time: f64,
-) -> Scores {
+pub(super) fn scores(rows: &mut Rows, runs: &[PreparedRun], of: &RigidFit, time: f64) -> Scores {
+    let layout = of.layout();
     let total: usize = runs.iter().map(|r| r.times.len()).sum();
     let length = total
         .div_ceil(levels::MOST_BLOCKS.get())
         .clamp(1, BLOCK)
         .max(((0.5 * time) as usize).clamp(1, BLOCK));
-    let weights = force_weights(&of.chosen.weighting, &of.solved.values.gains);
+    let weights = of.weights();
+    let selections: Vec<_> = (0..layout.joints).map(|joint| of.selection(joint)).collect();
     let factors: Vec<_> = (0..layout.joints).map(|j| residual_vector(layout, &of.solved.values, j)).collect();
     let means: Vec<_> = (0..layout.joints).map(|j| column_means(&of.chosen.centred, j, runs.len())).collect();
-    let mut place = vec![None; layout.len()];
-    of.solved.active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
     let mut found = Scores { blocks: Vec::new(), samples: total, correlation_time: time, are_groups: false };
     for (run, samples) in runs.iter().enumerate() {
         for start in (0..samples.times.len()).step_by(length) {
@@ -96,8 +113,7 @@ pub(super) fn scores(
                     of.outlier[joint],
                     &means[joint][run],
                 );
-                let gain = of.solved.values.gains[joint];
-                add(&mut score, (layout, joint, gain), &place, &(products * weights[joint]));
+                score += selections[joint].tr_mul(&(products * weights[joint]));
             }
             found.blocks.push(score);
         }
@@ -122,19 +138,6 @@ fn products(
     DVector::from_iterator(columns.len(), columns.iter().map(dot)) - means * total
 }
 
-fn add(
-    score: &mut DVector<f64>,
-    (layout, joint, gain): (&Layout, usize, f64),
-    place: &[Option<usize>],
-    products: &DVector<f64>,
-) {
-    for (k, &global) in layout.local[joint].iter().enumerate() {
-        if let Some(i) = place[global] {
-            score[i] += products[k] * layout.scale(global, gain);
-        }
-    }
-}
-
 /// Means of a joint's columns over samples that share an offset, for each run.
 pub(super) fn column_means(centred: &Centred, joint: usize, runs: usize) -> Vec<DVector<f64>> {
     let means: Vec<DVector<f64>> = centred.means(joint).into_iter().map(|(_, mean)| mean).collect();
@@ -149,36 +152,27 @@ pub(super) fn column_means(centred: &Centred, joint: usize, runs: usize) -> Vec<
 /// friction and offsets.
 ///
 /// - `spread`: ω², the variance factor of the errors of described bodies
-pub(super) fn described(of: &Fitted, prior: &Prior, spread: f64) -> DMatrix<f64> {
-    let (layout, solved) = (of.chosen.centred.layout, of.solved);
-    let (n, bodies) = (solved.active.len(), solved.bodies(layout));
+fn described(of: &RigidFit, spread: f64) -> DMatrix<f64> {
+    let (solved, zeros) = (&of.solved, &of.chosen.centred.zeros);
+    let (n, bodies) = (solved.active.len(), solved.bodies(of.layout()));
     let factor = |i: usize| if i < bodies { spread } else { solved.time[i] };
     let mut sum = DMatrix::from_fn(n, n, |i, k| factor(i) * solved.metric[(i, k)]);
-    let weights = force_weights(&of.chosen.weighting, &of.solved.values.gains);
-    let mut place = vec![None; layout.len()];
-    solved.active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
-    for (joint, known) in
-        prior.joints.iter().enumerate().filter(|(joint, _)| of.chosen.centred.zeros[*joint] > 0.0)
-    {
+    let weights = of.weights();
+    for (joint, known) in of.prior.joints.iter().enumerate().filter(|(joint, _)| zeros[*joint] > 0.0) {
         for (_, mean) in of.chosen.centred.means(joint) {
-            let mut score = DVector::zeros(n);
-            add(&mut score, (layout, joint, of.solved.values.gains[joint]), &place, &mean);
-            sum.ger(of.chosen.centred.zeros[joint] * weights[joint] * known.time, &score, &score, 1.0);
+            let score = of.selection(joint).tr_mul(&mean);
+            sum.ger(zeros[joint] * weights[joint] * known.time, &score, &score, 1.0);
         }
     }
     sum
 }
 
 /// Standard error of each offset of a joint, from the error of the mean residual and the errors of the unknowns.
-pub(super) fn offset_errors(of: &Fitted, prior: &Prior, covariance: &Covariance, joint: usize) -> Vec<f64> {
-    let (layout, solved) = (of.chosen.centred.layout, of.solved);
-    let weight = force_weights(&of.chosen.weighting, &of.solved.values.gains)[joint];
-    let time = prior.joints.get(joint).map_or(1.0, |prior| prior.time);
-    let mut place = vec![None; layout.len()];
-    solved.active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
+pub(super) fn offset_errors(of: &RigidFit, covariance: &Covariance, joint: usize) -> Vec<f64> {
+    let weight = of.weights()[joint];
+    let time = of.prior.joints.get(joint).map_or(1.0, |prior| prior.time);
     let error = |(samples, mean): (f64, DVector<f64>)| {
-        let mut change = DVector::zeros(solved.active.len());
-        add(&mut change, (layout, joint, of.solved.values.gains[joint]), &place, &mean);
+        let change = of.selection(joint).tr_mul(&mean);
         (time / (weight * samples) + (&covariance.matrix * &change).dot(&change)).sqrt()
     };
     of.chosen.centred.means(joint).into_iter().map(error).collect()
@@ -188,19 +182,16 @@ impl Scores {
     /// The scores (gradients of the objective) of the folds if there are no samples but only sums. Each fold
     /// is a group of distant blocks and independent of the other folds (random groups; Wolter 2007, chapter
     /// 2). One degree of freedom is lost because the sum of the scores is nearly zero.
-    pub(super) fn of_folds(of: &Fitted, time: f64) -> Self {
-        let layout = of.chosen.centred.layout;
+    pub(super) fn of_folds(of: &RigidFit, time: f64) -> Self {
+        let layout = of.layout();
         let folds = &of.chosen.centred.sums.folds;
-        let weights = force_weights(&of.chosen.weighting, &of.solved.values.gains);
-        let mut place = vec![None; layout.len()];
-        of.solved.active.iter().enumerate().for_each(|(i, &global)| place[global] = Some(i));
+        let weights = of.weights();
         let share = (folds.len() as f64 / (folds.len() as f64 - 1.0).max(1.0)).sqrt();
         let score = |fold: &Vec<DMatrix<f64>>| {
             let mut score = DVector::zeros(of.solved.active.len());
             for joint in 0..layout.joints {
                 let products = &fold[joint] * residual_vector(layout, &of.solved.values, joint);
-                let gain = of.solved.values.gains[joint];
-                add(&mut score, (layout, joint, gain), &place, &(products * (share * weights[joint])));
+                score += of.selection(joint).tr_mul(&(products * (share * weights[joint])));
             }
             score
         };
@@ -241,11 +232,6 @@ pub(super) struct Covariance {
 }
 
 impl Covariance {
-    /// Standard error of an unknown; zero if the unknown is not estimated.
-    pub(super) fn deviation(&self, solved: &Solved, global: usize) -> f64 {
-        self.of(solved, global, global).max(0.0).sqrt()
-    }
-
     /// Covariance of two unknowns; zero if at least one of the two is not estimated.
     pub(super) fn of(&self, solved: &Solved, one: usize, other: usize) -> f64 {
         let place = |global: usize| solved.active.iter().position(|&active| active == global);
@@ -254,21 +240,20 @@ impl Covariance {
 }
 
 /// Derivatives of the right side of the normal equations with respect to the logarithm of each joint's gain.
-fn slopes_of_gains(of: &Fitted) -> DMatrix<f64> {
-    let (layout, gains) = (of.chosen.centred.layout, &of.solved.values.gains);
-    let weights = force_weights(&of.chosen.weighting, gains);
+fn slopes_of_gains(of: &RigidFit) -> DMatrix<f64> {
+    let (gains, weights) = (&of.solved.values.gains, of.weights());
     let of_joint = |joint: usize| {
         let products = &of.chosen.centred.all[joint];
         let effort = products.column(products.ncols() - 1) * (weights[joint] * gains[joint]);
-        selection((layout, joint, gains[joint]), &of.solved.active).tr_mul(&effort)
+        of.selection(joint).tr_mul(&effort)
     };
-    DMatrix::from_columns(&(0..layout.joints).map(of_joint).collect::<Vec<_>>())
+    DMatrix::from_columns(&(0..gains.len()).map(of_joint).collect::<Vec<_>>())
 }
 
 /// Covariance of the active unknowns.
-pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<Covariance> {
-    let solved = of.solved;
-    let (n, bodies) = (solved.active.len(), solved.bodies(of.chosen.centred.layout));
+pub(super) fn covariance(of: &RigidFit, scores: &Scores) -> Result<Covariance> {
+    let solved = &of.solved;
+    let (n, bodies) = (solved.active.len(), solved.bodies(of.layout()));
     let factor = Factor::new(&solved.regularized)?;
     let inverse = factor.solve(&DMatrix::identity(n, n));
     let of_bodies = |matrix: &DMatrix<f64>| matrix.view((0, 0), (bodies, bodies)).into_owned();
@@ -276,12 +261,12 @@ pub(super) fn covariance(of: &Fitted, prior: &Prior, scores: &Scores) -> Result<
     let decided = bodies as f64 - of_bodies(&inverse).component_mul(&metric).sum();
     let change = solved.distances(&solved.values).rows(0, bodies).into_owned();
     let spread = (&metric * &change).dot(&change) / decided.max(1.0);
-    let equations = of.chosen.centred.sums.samples * of.chosen.centred.layout.joints;
+    let equations = of.chosen.centred.sums.samples * of.layout().joints;
     let unknowns = decided + (n - bodies) as f64;
     let spent = unknowns * scores.correlation_time / equations.max(1) as f64;
     // Both parts are products with their transposes, so rounding cannot make a variance negative.
     let projected = factor.solve(&scores.projected()) / (1.0 - spent).max(0.25).sqrt();
-    let described = factor.solve(&(described(of, prior, spread) * &inverse));
+    let described = factor.solve(&(described(of, spread) * &inverse));
     let slopes = factor.solve(&slopes_of_gains(of));
     let of_gains = &slopes * &of.chosen.log_gains * slopes.transpose();
     let matrix = &projected * projected.transpose() / scores.freedom() as f64 + described + of_gains;

@@ -253,12 +253,6 @@ impl Layout {
         (0..self.joints).filter(|&joint| self.moves[joint] && !self.exact[joint])
     }
 
-    /// Contiguous intervals of the samples that are used for a joint: the samples at which the joint does not rest. If the
-    /// joint rests in all data, all samples are used, because it has no friction law and its constant stiction is an offset.
-    pub(super) fn stretches(&self, run: &PreparedRun, joint: usize) -> Vec<Range<usize>> {
-        if self.moves[joint] { run.moving(joint) } else { std::iter::once(0..run.times.len()).collect() }
-    }
-
     /// Kind of the offsets of a joint's force. Forces that are known without a sensor have no offset.
     ///
     /// - `measured`: kind of the offsets of measured forces

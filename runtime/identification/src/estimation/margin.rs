@@ -2,8 +2,7 @@
 
 use super::super::methods::margin::{change, near};
 use super::super::run::PreparedRun;
-use super::fit::force_weights;
-use super::intervals::Fitted;
+use super::intervals::RigidFit;
 use super::normal::{Centred, Normal, assemble};
 use super::task::Task;
 use nalgebra::DVector;
@@ -24,13 +23,13 @@ pub(super) fn runs_away_from_stops(task: &Task) -> Option<Vec<PreparedRun>> {
 
 /// Change of each unknown if the samples near rests and reversals are left out. The weights and the priors of the offsets
 /// stay the same. The change is zero if the runs passed no filter.
-pub(super) fn change_at_margin(task: &Task, of: &Fitted) -> DVector<f64> {
+pub(super) fn change_at_margin(task: &Task, of: &RigidFit) -> DVector<f64> {
     let mut changes = DVector::zeros(task.layout.len());
     let Some(runs) = runs_away_from_stops(task) else { return changes };
     let sums =
-        Task { runs: &runs, ..task.clone() }.weighted(Some((&of.solved.values, of.offsets, of.outlier)));
+        Task { runs: &runs, ..task.clone() }.weighted(Some((&of.solved.values, &of.offsets, of.outlier)));
     let left = Centred::new(task.layout, &sums, of.chosen.model.offsets, of.chosen.centred.zeros.clone());
-    let (active, weights) = (&of.solved.active, force_weights(&of.chosen.weighting, &of.solved.values.gains));
+    let (active, weights) = (&of.solved.active, of.weights());
     let normal =
         |centred: &Centred| assemble(task.layout, &centred.all, active, &weights, &of.solved.values.gains);
     let (all, left) = (normal(&of.chosen.centred), normal(&left));

@@ -48,8 +48,10 @@ pub use settings::EstimationSettings;
 pub(crate) use {
     described::described_ratio,
     intervals::correlation_time,
+    normal::inverse,
     prior::distance,
     residuals::{huber, robust_deviation},
+    result::CommonTerms,
     shares::{Columns, RunPiece, ShareSums, SharedData, SharedEstimate, Weighted, estimate_shares},
     sums::{FEWEST_MOTIONS, repeated_motions},
 };

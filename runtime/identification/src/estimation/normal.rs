@@ -111,9 +111,10 @@ impl<'a> Centred<'a> {
         rss.max(0.0)
     }
 
-    /// Offset of each run in a joint's force. A run without used samples has the common offset of all runs.
-    pub(super) fn offsets(&self, values: &Values, joint: usize) -> Vec<f64> {
-        self.offsets_without(None, &residual_vector(self.layout, values, joint), joint)
+    /// Offset of each joint and run. A run without used samples has the common offset of all runs.
+    pub(super) fn all_offsets(&self, values: &Values) -> Vec<Vec<f64>> {
+        let of_joint = |j: usize| self.offsets_without(None, &residual_vector(self.layout, values, j), j);
+        (0..self.layout.joints).map(of_joint).collect()
     }
 
     /// Sum of the squares of a joint's offsets, fitted without a fold, times the weight of the prior ([`Self::zeros`]).
@@ -331,6 +332,11 @@ impl Factor {
         self.factor.l().solve_lower_triangular_mut(&mut whitened);
         whitened
     }
+}
+
+/// The inverse of a symmetric positive definite matrix, with the errors of [`Factor::new`].
+pub(crate) fn inverse(a: &DMatrix<f64>) -> Result<DMatrix<f64>> {
+    Ok(Factor::new(a)?.solve(&DMatrix::identity(a.nrows(), a.nrows())))
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::super::run::PreparedRun;
 use super::estimated::Estimated;
+use super::layout::LOAD;
 use super::residuals::{Forces, RunOffsets};
 use super::result::{Estimate, Gravity, JointEstimate};
 use gelenk_findings::{Finding, Rule};
@@ -17,20 +18,15 @@ pub(super) struct Report<'a> {
     pub(super) fitted: Estimated<'a>,
     pub(super) runs: &'a [PreparedRun],
     pub(super) forces: &'a Forces,
-    pub(super) offsets: &'a RunOffsets,
-    pub(super) offset_errors: &'a RunOffsets,
+    pub(super) offset_errors: RunOffsets,
     pub(super) held_out: &'a [f64],
     pub(super) with_rest: &'a [f64],
-    /// Whether load-dependent friction was requested.
-    pub(super) has_loads: bool,
 }
 
 impl Report<'_> {
     pub(super) fn estimate(&self, doubts: Vec<Finding>) -> Estimate {
-        let layout = self.fitted.layout;
-        let add = |a: &[f64], b: &[f64], sign: f64| {
-            a.iter().zip(b).map(|(a, b)| a + sign * b).collect::<Vec<f64>>()
-        };
+        let layout = self.fitted.layout();
+        let less = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
         let each = |of: &dyn Fn(usize, usize) -> Vec<f64>| -> Vec<Vec<Vec<f64>>> {
             let known = |r, j| if layout.measured[j] { of(r, j) } else { vec![f64::NAN; of(r, j).len()] };
             let runs = 0..self.forces.measured.len();
@@ -38,24 +34,24 @@ impl Report<'_> {
         };
         let Forces { measured, residual, rigid, load, .. } = self.forces;
         Estimate {
-            predicted: each(&|r, j| add(&measured[r][j], &residual[r][j], -1.0)),
-            friction: each(&|r, j| add(&measured[r][j], &rigid[r][j], -1.0)),
+            predicted: each(&|r, j| less(&measured[r][j], &residual[r][j])),
+            friction: each(&|r, j| less(&measured[r][j], &rigid[r][j])),
             measured: each(&|r, j| measured[r][j].clone()),
-            load_friction: if self.has_loads { each(&|r, j| load[r][j].clone()) } else { Vec::new() },
+            load_friction: if layout.terms > LOAD { each(&|r, j| load[r][j].clone()) } else { Vec::new() },
             ..self.fitted.estimate(self.fits(), self.choices().chain(doubts).collect())
         }
     }
 
     fn fits(&self) -> Vec<JointEstimate> {
-        let layout = self.fitted.layout;
+        let layout = self.fitted.layout();
         let moving = |joint: usize| self.forces.moving(layout, self.runs, joint);
         let squares =
             |joint: usize| moving(joint).map(|(run, i)| self.forces.residual[run][joint][i].powi(2)).sum();
         let rss: Vec<f64> = (0..layout.joints).map(squares).collect();
         let all = |joint: usize| self.forces.residual.iter().map(|run| run[joint].len()).sum::<usize>();
-        let r_squared = self.fitted.chosen.centred_r_squared(&rss);
+        let r_squared = self.fitted.fit.chosen.centred_r_squared(&rss);
         let fit = |joint: usize| JointEstimate {
-            offsets: self.offsets[joint].clone(),
+            offsets: self.fitted.fit.offsets[joint].clone(),
             offset_errors: self.offset_errors[joint].clone(),
             sigma: (rss[joint] / moving(joint).count().max(1) as f64).sqrt(),
             r_squared: r_squared[joint],
@@ -69,7 +65,7 @@ impl Report<'_> {
 
     /// Choices of the estimate, as findings.
     fn choices(&self) -> impl Iterator<Item = Finding> {
-        let offsets = self.fitted.offsets_found(self.fitted.chosen.model.offsets);
+        let offsets = self.fitted.offsets_found(self.fitted.fit.chosen.model.offsets);
         offsets.chain(self.gravity()).chain(self.fitted.choices())
     }
 

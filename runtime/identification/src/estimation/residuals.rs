@@ -34,7 +34,10 @@ impl Forces {
         joint: usize,
     ) -> impl Iterator<Item = (usize, usize)> + 'a {
         let of_run = move |(number, run): (usize, &'a PreparedRun)| {
-            layout.stretches(run, joint).into_iter().flatten().map(move |sample| (number, sample))
+            run.stretches(joint, layout.moves[joint])
+                .into_iter()
+                .flatten()
+                .map(move |sample| (number, sample))
         };
         runs.iter().enumerate().flat_map(of_run)
     }
@@ -67,49 +70,37 @@ pub(super) fn forces(
         for start in (0..samples.times.len()).step_by(BLOCK) {
             rows.evaluate((run, samples), start..samples.times.len().min(start + BLOCK));
             for joint in 0..layout.joints {
-                let columns = rows.joint(joint);
-                found.residual[run][joint].extend(residual(&factors[joint], offsets[joint][run], &columns));
-                let factors = &factors[joint];
-                found.measured[run][joint].extend(measured(layout, joint, factors, &columns));
-                found.described[run][joint].extend(columns[columns.len() - 2]);
-                found.rigid[run][joint].extend(rigid(layout, joint, factors, &columns));
-                found.load[run][joint].extend(under_load(layout, joint, factors, &columns));
+                let (columns, factors) = (rows.joint(joint), &factors[joint]);
+                let count = factors.len();
+                let part = |factor: &dyn Fn(usize, Option<usize>) -> f64| {
+                    let factor = |k: usize, _| factor(k, layout.local[joint].get(k).copied());
+                    residual(&DVector::from_fn(count, factor), 0.0, &columns)
+                };
+                found.residual[run][joint].extend(residual(factors, offsets[joint][run], &columns));
+                // The measured force at the time of the motion is `K (z + δ ż)` with the gain K, the measured effort z and the
+                // delay δ.
+                found.measured[run][joint].extend(part(&|k, global| match global {
+                    Some(global) if layout.is_delay(global) => factors[k],
+                    None if k + 1 == count => factors[k],
+                    _ => 0.0,
+                }));
+                found.described[run][joint].extend(columns[count - 2]);
+                // Rigid-body force with the estimated parameters, including reflected inertia and all non-inertial forces of
+                // the description.
+                let armature = layout.term(joint, ARMATURE);
+                found.rigid[run][joint].extend(part(&|k, global| match global {
+                    Some(global) if global < layout.parameters || global == armature => -factors[k],
+                    None if k + 2 == count => 1.0,
+                    _ => 0.0,
+                }));
+                if layout.terms > LOAD {
+                    let load = layout.first_term(joint) + LOAD;
+                    found.load[run][joint].extend(columns[load].iter().map(|x| -factors[load] * x));
+                }
             }
         }
     }
     found
-}
-
-/// The measured force at the time of the motion, `K (z + δ ż)` with the gain K, the measured effort z and the
-/// delay δ.
-fn measured(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64]]) -> Vec<f64> {
-    let mut only = factors.map(|_| 0.0);
-    for (k, _) in layout.local[joint].iter().enumerate().filter(|(_, global)| layout.is_delay(**global)) {
-        only[k] = factors[k];
-    }
-    let last = factors.len() - 1;
-    only[last] = factors[last];
-    residual(&only, 0.0, columns)
-}
-
-/// Rigid-body force with the estimated parameters, including reflected inertia and all non-inertial forces of
-/// the description.
-fn rigid(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64]]) -> Vec<f64> {
-    let mut only = factors.map(|_| 0.0);
-    for (k, &global) in layout.local[joint].iter().enumerate() {
-        let inertial = global < layout.parameters || global == layout.term(joint, ARMATURE);
-        only[k] = if inertial { -factors[k] } else { 0.0 };
-    }
-    only[layout.local[joint].len()] = 1.0;
-    residual(&only, 0.0, columns)
-}
-
-/// Load-dependent friction; empty if the layout does not have this term.
-fn under_load(layout: &Layout, joint: usize, factors: &DVector<f64>, columns: &[&[f64]]) -> Vec<f64> {
-    let place = layout.first_term(joint) + LOAD;
-    let has = layout.terms > LOAD;
-    let columns = columns[place..].iter().take(usize::from(has));
-    columns.flat_map(|column| column.iter().map(|x| -factors[place] * x)).collect()
 }
 
 /// Huber's weights of a joint's samples: 1, or bound / |residual| if the magnitude of the residual exceeds the bound. The bound

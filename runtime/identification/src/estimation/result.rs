@@ -56,9 +56,6 @@ pub struct Estimate {
     pub offsets: Offsets,
     /// Weight λ of the squared distance from the description.
     pub description_weight: f64,
-    /// Effective number of inertial parameters that the data determine: the trace of `(H + λ R)⁻¹ H` over these parameters,
-    /// with the Hessian H of the sum of squares, the weight λ and the metric R of the description.
-    pub effective_parameters: f64,
     /// Covariance matrix of the inertial parameters; zero for parameters that the data may not change.
     pub parameter_covariance: DMatrix<f64>,
     /// Sums of products from which [`Self::r_squared_lost`] is computed.
@@ -74,11 +71,9 @@ pub struct Estimate {
     pub load_friction: Vec<Vec<Vec<f64>>>,
     /// Confidence level of all intervals, between 0 and 1.
     pub confidence: f64,
-    /// Covariance of the coefficients of each joint's friction terms, in the order of [`JointEstimate::terms`].
-    pub terms_covariance: Vec<DMatrix<f64>>,
-    /// Change of the coefficients of each joint's friction terms ([`JointEstimate::terms`]) if the samples near rests and
-    /// reversals are left out of the fit.
-    pub terms_margins: Vec<DVector<f64>>,
+    /// Friction terms of each joint with the errors of their coefficients, for the identification of the joint's law. `None`
+    /// if the joint has no terms.
+    pub(crate) common: Vec<Option<CommonTerms>>,
     /// Degrees of freedom of the covariances, for Student's t distribution.
     pub freedom: usize,
     /// Delay of each effort that remained after the preparation \[s\], positive if the effort is late; empty if the delays are
@@ -89,7 +84,7 @@ pub struct Estimate {
 }
 
 /// An estimated value with its confidence interval. The interval takes correlated residuals into account.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Uncertain {
     /// Estimated value.
     pub value: f64,
@@ -162,4 +157,17 @@ pub struct EstimatedTerm {
     /// Coefficient of the expression. The product of coefficient and expression is in N·m or N. For [`JointEstimate::load`], it
     /// is dimensionless.
     pub coefficient: Uncertain,
+}
+
+/// Friction terms of one joint in the estimate of all joints.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct CommonTerms {
+    /// Friction terms as expressions in the velocity `v`.
+    pub(crate) bases: Vec<String>,
+    /// Changes of the terms' coefficients if the samples near rests and reversals are left out.
+    pub(crate) margins: DVector<f64>,
+    /// Covariance of the terms' coefficients.
+    pub(crate) covariance: DMatrix<f64>,
+    /// Degrees of freedom of the coefficients' covariance.
+    pub(crate) freedom: f64,
 }

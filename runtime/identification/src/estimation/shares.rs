@@ -15,7 +15,7 @@ use super::checks::no_effort;
 use super::choice::{Freedom, choose};
 use super::estimated::{Estimated, require_explained, unexplained};
 use super::fit::HeldOut;
-use super::intervals::{Fitted, Scores, covariance};
+use super::intervals::{RigidFit, Scores, covariance};
 use super::layout::{ASYMMETRY, COULOMB, Layout, TERMS, VISCOUS};
 use super::levels;
 use super::normal::{force_vector, residual_vector};
@@ -273,24 +273,18 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
         consistent: settings.consistent,
     };
     let chosen = choose(layout, &sums, &prior, freedom)?;
-    let solved = chosen.solved(&prior)?;
-    let fitted = Fitted { chosen: &chosen, solved: &solved, offsets: &Vec::new(), outlier: &[] };
-    let scores = Scores::of_folds(&fitted, data.correlation_time);
+    let fit = RigidFit::new(&chosen, &prior, &[])?;
     let held_out = chosen.held_out(&prior)?;
-    let covariance = covariance(&fitted, &prior, &scores)?;
     let mut found = Found {
         data,
         doubts: Vec::new(),
         fitted: Estimated {
             robot,
             settings,
-            layout,
-            prior: &prior,
             gravity: data.gravity,
-            chosen: &chosen,
-            solved: &solved,
-            covariance: &covariance,
-            margin: &DVector::zeros(layout.len()),
+            covariance: covariance(&fit, &Scores::of_folds(&fit, data.correlation_time))?,
+            fit: &fit,
+            margin: DVector::zeros(layout.len()),
             delays: &[],
         },
         held_out,
@@ -345,7 +339,8 @@ struct Found<'a> {
 impl Found<'_> {
     /// Refuses a fit that explains too little, or a fit that would be better with the other sign of an effort.
     fn require_explained(&self) -> Result<()> {
-        let Estimated { robot, settings, layout, .. } = self.fitted;
+        let Estimated { robot, settings, fit, .. } = self.fitted;
+        let layout = fit.layout();
         let held_out: Vec<f64> =
             (0..layout.joints).map(|joint| self.r_squared(joint, self.held_out.rss[joint])).collect();
         let reasons = |joint: usize| vec![unexplained(robot, joint)];
@@ -354,7 +349,7 @@ impl Found<'_> {
 
     /// Ratio of estimated to described forces of the robot as a whole; `None` if no joint determines the ratio.
     fn common_ratio(&self) -> Option<CommonRatio> {
-        let Estimated { robot, layout, .. } = self.fitted;
+        let (robot, layout) = (self.fitted.robot, self.fitted.layout());
         let sizes: Vec<Sizes> = (0..layout.joints).map(|joint| self.sizes(joint)).collect();
         common_ratio(robot, layout.effort, &layout.known_efforts(), &sizes)
     }
@@ -364,18 +359,18 @@ impl Found<'_> {
     fn sizes(&self, joint: usize) -> Sizes {
         let products = self.products(joint);
         let width = products.nrows();
-        let force = force_vector(self.fitted.layout, &self.fitted.solved.values, joint);
+        let force = force_vector(self.fitted.layout(), &self.fitted.fit.solved.values, joint);
         let [described, measured] = [(width - 2, 1.0), (width - 1, self.gain(joint))]
             .map(|(place, factor)| DVector::from_fn(width, |i, _| if i == place { factor } else { 0.0 }));
         [&force, &described, &measured].map(|of| (products * of).dot(of).max(0.0).sqrt())
     }
 
     fn gain(&self, joint: usize) -> f64 {
-        self.fitted.solved.values.gains[joint]
+        self.fitted.fit.solved.values.gains[joint]
     }
 
     fn products(&self, joint: usize) -> &DMatrix<f64> {
-        &self.fitted.chosen.centred.all[joint]
+        &self.fitted.fit.chosen.centred.all[joint]
     }
 
     /// Sums of squares that the reduced weights w of outliers remove, in units of force: Σ (1 − w) r² and Σ
@@ -388,16 +383,16 @@ impl Found<'_> {
     /// `R² = 1 − RSS / Σ (τ − τ̄)²` of the force τ, with the mean τ̄ over each run if runs have offsets. Outliers have their
     /// full weight here. NaN if no force acts.
     fn r_squared(&self, joint: usize, rss: f64) -> f64 {
-        let variation = self.fitted.chosen.centred.variation(joint);
+        let variation = self.fitted.fit.chosen.centred.variation(joint);
         let [residual, total] = self.lost(joint);
         1.0 - (rss + residual) / (self.gain(joint).powi(2) * variation + total)
     }
 
     fn estimate(&self) -> Estimate {
-        let Estimated { robot, chosen, solved, .. } = self.fitted;
+        let Estimated { robot, fit: RigidFit { chosen, solved, .. }, .. } = self.fitted;
         let driven = robot.unmeasured();
         let doubts = (0..driven.len()).flat_map(|joint| {
-            let is_missing = !self.fitted.layout.measured[joint] && !driven[joint];
+            let is_missing = !self.fitted.layout().measured[joint] && !driven[joint];
             is_missing.then(|| no_effort(robot, joint)).into_iter().chain(self.doubts_of(joint))
         });
         let findings = self.fitted.offsets_found(Offsets::ByRun).chain(self.fitted.choices()).chain(doubts);
@@ -417,7 +412,7 @@ impl Found<'_> {
     /// Doubts about a moving joint: its unit and its sign. In the rows of a joint with a quaternion there is no sensor, so
     /// only the unit is doubted.
     fn doubts_of(&self, joint: usize) -> Vec<Finding> {
-        let Estimated { robot, layout, .. } = self.fitted;
+        let (robot, layout) = (self.fitted.robot, self.fitted.layout());
         if !layout.moves[joint] && !layout.exact[joint] {
             return Vec::new();
         }
@@ -430,8 +425,8 @@ impl Found<'_> {
     /// Friction torque of a joint as factors of its columns: the measured force minus the forces of the rigid
     /// body and of an added inertia.
     fn friction(&self, joint: usize) -> DVector<f64> {
-        let layout = self.fitted.layout;
-        let mut factors = residual_vector(layout, &self.fitted.solved.values, joint);
+        let layout = self.fitted.layout();
+        let mut factors = residual_vector(layout, &self.fitted.fit.solved.values, joint);
         let first = layout.first_term(joint);
         (VISCOUS..=ASYMMETRY).for_each(|term| factors[first + term] = 0.0);
         let width = factors.len();

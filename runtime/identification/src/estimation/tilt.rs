@@ -12,7 +12,7 @@ use super::super::robot::Robot;
 use super::super::run::PreparedRun;
 use super::choice::Chosen;
 use super::levels;
-use super::normal::Factor;
+use super::normal::inverse;
 use super::result::Gravity;
 use super::sums::moving;
 use super::task::Task;
@@ -146,9 +146,7 @@ impl Turning<'_> {
             let first = task.layout.parameters - 2;
             let place = |k: usize| solved.active.iter().position(|global| *global == first + k);
             let places: Vec<usize> = (0..2).filter_map(place).collect();
-            let count = solved.active.len();
-            let inverse = Factor::new(&solved.regularized)?.solve(&DMatrix::identity(count, count));
-            let seen = seen(inverse.select_rows(&places).select_columns(&places));
+            let seen = seen(inverse(&solved.regularized)?.select_rows(&places).select_columns(&places));
             let changes = solved.values.unknowns;
             Ok([&seen * seen.tr_mul(&changes.rows(first, 2)), changes])
         })

@@ -6,7 +6,7 @@ use super::super::estimation::{
     Columns, Estimate, Gravity, ShareSums, SharedData, SharedEstimate, estimate_shares,
 };
 use super::super::friction::{FrictionData, Setting, SharedFriction};
-use super::super::identify::{Identification, IdentificationSettings, JointFriction, NO_FIT, unless_refused};
+use super::super::identify::{Identification, IdentificationSettings, JointFriction, unless_refused};
 use super::super::log::{Labels, Recording};
 use super::super::methods::moments::Moments;
 use super::super::methods::subset::seen_both_ways;
@@ -299,15 +299,12 @@ impl JointMoments<'_> {
             lost: self.gain.powi(2) * lost,
             velocity_range: self.facts.velocities,
         };
-        let report =
-            settings.friction.identify_shares(&shared).map_err(|error| vec![NO_FIT.found(error.to_string())]);
-        let report = report.and_then(|report| unless_refused(report, settings.accept_poor));
         JointFriction {
             joint: self.joint,
             name: of_joint.name.clone(),
             velocities: Vec::new(),
             torques: Vec::new(),
-            report,
+            report: unless_refused(settings.friction.identify_shares(&shared), settings.accept_poor),
         }
     }
 

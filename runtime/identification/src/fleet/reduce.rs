@@ -21,7 +21,6 @@ use super::logs::{
     About, Doubt, DoubtedLog, Hash, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share,
 };
 use gelenk_findings::{Finding, Severity};
-use std::ops::Range;
 use std::path::Path;
 
 /// Fails if an effort of a robot without quaternions is missing, because the log then has wrong columns. Robots with
@@ -170,25 +169,28 @@ impl<'a> Fitted<'a> {
         };
         let residuals: Vec<Vec<Vec<f64>>> =
             estimate.measured.iter().zip(&estimate.predicted).map(of_run).collect();
-        let joints = estimate.joints.len();
-        let deviations: Vec<f64> = (0..joints)
-            .map(|j| if robust { deviation(&residuals, runs, estimate, j) } else { f64::INFINITY })
-            .collect();
-        let weigh = |(run, residuals): (&PreparedRun, &Vec<Vec<f64>>)| {
-            let joints = residuals.iter().zip(&deviations).enumerate();
-            let weights = |(joint, (residuals, deviation)): (usize, (&Vec<f64>, &f64))| {
-                let known = Some(stretches(estimate, run, joint)).filter(|_| estimate.joints[joint].measured);
-                weights(residuals, *deviation, &known.unwrap_or_default())
-            };
-            joints.map(weights).collect()
-        };
-        let time = |joint: usize| {
-            let series = runs.iter().zip(&residuals).flat_map(|(run, residuals)| {
-                stretches(estimate, run, joint).into_iter().map(move |rows| &residuals[joint][rows])
+        let used = |joint: usize| -> Vec<&[f64]> {
+            let moves = estimate.joints[joint].moves;
+            let used = runs.iter().zip(&residuals).flat_map(|(run, residuals)| {
+                run.stretches(joint, moves).into_iter().map(move |rows| &residuals[joint][rows])
             });
-            correlation_time(&series.collect::<Vec<_>>())
+            used.collect()
         };
-        let correlation = (0..joints).map(time).filter(|time| time.is_finite()).fold(1.0, f64::max);
+        let joints = estimate.joints.len();
+        let deviation = |joint: usize| robust_deviation(used(joint).concat().iter().map(|r| r.abs()));
+        let deviations: Vec<f64> =
+            (0..joints).map(|joint| if robust { deviation(joint) } else { f64::INFINITY }).collect();
+        let weigh = |(run, residuals): (&PreparedRun, &Vec<Vec<f64>>)| {
+            let weights = |(joint, residuals): (usize, &Vec<f64>)| -> Vec<f64> {
+                let of_joint = &estimate.joints[joint];
+                let is_used = |i: usize| of_joint.measured && !(of_joint.moves && run.rests(joint, i));
+                let weights = huber(residuals, deviations[joint]).into_iter().enumerate();
+                weights.map(|(i, weight)| if is_used(i) { weight } else { 0.0 }).collect()
+            };
+            residuals.iter().enumerate().map(weights).collect()
+        };
+        let times = (0..joints).map(|joint| correlation_time(&used(joint)));
+        let correlation = times.filter(|time| time.is_finite()).fold(1.0, f64::max);
         Self {
             weights: runs.iter().zip(&residuals).map(weigh).collect(),
             residuals,
@@ -205,7 +207,7 @@ impl<'a> Fitted<'a> {
                 JointFacts { span: 0.0, velocities: [f64::MAX, f64::MIN], directions: [Exact::default(); 4] };
             for run in self.runs {
                 let [low, high] = extremes(run.positions[joint].iter().copied());
-                let samples = stretches(self.estimate, run, joint).into_iter().flatten();
+                let samples = run.stretches(joint, self.estimate.joints[joint].moves).into_iter().flatten();
                 let v: Vec<f64> = samples.map(|i| run.velocities[joint][i]).collect();
                 facts.add(&JointFacts {
                     span: high - low,
@@ -219,24 +221,6 @@ impl<'a> Fitted<'a> {
     }
 }
 
-/// The samples of a run that the estimate uses for a joint, in contiguous intervals.
-fn stretches(estimate: &Estimate, run: &PreparedRun, joint: usize) -> Vec<Range<usize>> {
-    if estimate.joints[joint].moves {
-        run.moving(joint)
-    } else {
-        std::iter::once(0..run.times.len()).collect()
-    }
-}
-
-/// Weights of a joint's samples: zero at rest or if the effort is not known, below one for outliers, otherwise one.
-fn weights(residuals: &[f64], deviation: f64, stretches: &[Range<usize>]) -> Vec<f64> {
-    let mut weights = vec![0.0; residuals.len()];
-    for rows in stretches {
-        weights[rows.clone()].copy_from_slice(&huber(&residuals[rows.clone()], deviation));
-    }
-    weights
-}
-
 /// Σ v², Σ v |v|, Σ t², Σ t |t| with t = tanh 20 v, for speeds in units of `scale`.
 fn directions(velocities: &[f64], scale: f64) -> Result<[Exact; 4]> {
     let mut sums = [0.0; 4];
@@ -246,14 +230,6 @@ fn directions(velocities: &[f64], scale: f64) -> Result<[Exact; 4]> {
     }
     let [a, b, c, d] = sums.map(Exact::new);
     Ok([a?, b?, c?, d?])
-}
-
-/// [`robust_deviation`] of a joint's residuals over the samples in which it moves.
-fn deviation(residuals: &[Vec<Vec<f64>>], runs: &[PreparedRun], estimate: &Estimate, joint: usize) -> f64 {
-    robust_deviation(runs.iter().zip(residuals).flat_map(|(run, residuals)| {
-        let samples = stretches(estimate, run, joint).into_iter().flatten();
-        samples.map(move |i| residuals[joint][i].abs())
-    }))
 }
 
 /// Contiguous pieces of the runs. The number of pieces is about the number of shares. There are fewer pieces if they would be

@@ -8,10 +8,10 @@
 //! are left out.
 
 use super::super::error::Result;
+use super::super::estimation::CommonTerms;
 use super::super::methods::confidence::{quantile, rescaled};
 use super::super::result::CONFIDENCE;
 use super::errors::Errors;
-use super::task::CommonTerms;
 use nalgebra::{DMatrix, DVector};
 
 impl Errors {

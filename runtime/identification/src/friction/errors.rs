@@ -1,6 +1,7 @@
 //! Standard errors of coefficients with correlated residuals ([`Correlated`]).
 
 use super::super::error::Result;
+use super::super::estimation::CommonTerms;
 use super::super::methods::confidence::{Correlated, LongRun};
 use super::super::methods::least_squares::{Reduced, triangular_factor};
 use super::super::methods::library::Library;
@@ -10,7 +11,6 @@ use super::super::numeric::spectrum;
 use super::super::numeric::statistics::median;
 use super::super::result::FrictionTerm;
 use super::design::Design;
-use super::task::CommonTerms;
 use nalgebra::{DMatrix, DVector};
 
 /// Standard errors of the coefficients of the chosen terms.

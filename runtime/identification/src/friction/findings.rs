@@ -30,7 +30,6 @@ const BEYOND_EFFORT: Rule = Rule::error("law-beyond-effort");
 /// Inputs of the findings, and the findings that were made.
 pub(super) struct Findings<'a> {
     pub(super) data: &'a FrictionData<'a>,
-    pub(super) unit: &'a str,
     pub(super) notes: Vec<Finding>,
     pub(super) all: Vec<Finding>,
 }
@@ -38,7 +37,7 @@ pub(super) struct Findings<'a> {
 impl<'a> Findings<'a> {
     pub(super) fn new(data: &'a FrictionData<'a>) -> Self {
         let notes = data.settings.iter().map(Setting::finding).collect();
-        Self { data, unit: data.unit, notes, all: Vec::new() }
+        Self { data, notes, all: Vec::new() }
     }
 
     pub(super) fn note(&mut self, setting: &Setting) {
@@ -102,7 +101,7 @@ impl<'a> Findings<'a> {
             "the law gives {} {} at {} {}, more than the described effort limit of {}. The data reach only speeds up to {}, so \
              they do not determine this friction",
             plain(torque, 3),
-            self.unit,
+            self.data.unit,
             plain(speed, 3),
             self.data.velocity_unit,
             plain(effort, 4),

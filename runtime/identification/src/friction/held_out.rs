@@ -4,9 +4,8 @@ use super::super::error::Result;
 use super::super::methods::constrained::{breaks, constrained_fit};
 use super::super::methods::least_squares::Reduced;
 use super::super::methods::moments::{Moments, splits};
-use super::super::methods::offset::{centre, mean};
+use super::super::methods::offset::mean;
 use super::super::numeric::statistics::mean_with_error;
-use super::design::runs;
 use super::findings::Findings;
 use super::selection::Selection;
 use super::task::FrictionData;
@@ -90,16 +89,9 @@ fn fit(training: &Reduced, selection: &Selection, rows: Option<&DMatrix<f64>>) -
     }
 }
 
-/// `Σ (τ − τ̄)²` over the samples of `ranges`, with the torque τ. The mean τ̄ is the mean of the run if offsets are separate,
-/// and the mean of all samples otherwise.
-pub(super) fn variation(data: &FrictionData, separate: bool, ranges: &[Range<usize>]) -> f64 {
-    let mut torque = data.torques.to_vec();
-    if separate {
-        centre(&mut torque, &runs(data));
-    } else {
-        let mean = mean(&torque);
-        torque.iter_mut().for_each(|t| *t -= mean);
-    }
+/// `Σ (τ − τ̄)²` over the samples of `ranges`, with the torque τ and its mean τ̄ over all samples.
+pub(super) fn variation(data: &FrictionData, ranges: &[Range<usize>]) -> f64 {
+    let mean = mean(data.torques);
     // A sample in two folds counts twice.
-    ranges.iter().cloned().flatten().map(|i| torque[i] * torque[i]).sum()
+    ranges.iter().cloned().flatten().map(|i| (data.torques[i] - mean).powi(2)).sum()
 }

@@ -1,15 +1,12 @@
 //! The samples of one joint over all runs, from which its friction law is identified.
 
 use super::super::error::Result;
-use super::super::estimation::{Estimate, FEWEST_MOTIONS};
+use super::super::estimation::{CommonTerms, Estimate, FEWEST_MOTIONS};
 use super::super::methods::offset::Offset;
 use super::super::preparation::PreparationReport;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
-use super::{
-    CommonTerms, Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionReport, Offsets,
-    Setting,
-};
+use super::{Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionReport, Offsets, Setting};
 use std::ops::Range;
 
 /// Samples of one joint over all runs.
@@ -27,7 +24,7 @@ pub(crate) struct JointSamples<'a> {
     pub(crate) velocities: Vec<f64>,
     pub(crate) torques: Vec<f64>,
     /// Friction terms of the joint in the estimate of all joints; `None` if the joint has no terms there.
-    common: Option<CommonTerms>,
+    common: Option<&'a CommonTerms>,
 }
 
 impl<'a> JointSamples<'a> {
@@ -38,7 +35,6 @@ impl<'a> JointSamples<'a> {
         joint: usize,
         (prepared, motions): (&'a [PreparedRun], Option<&[usize]>),
         estimate: &'a Estimate,
-        common: Option<CommonTerms>,
     ) -> Self {
         let mut samples = Self {
             joint,
@@ -50,7 +46,7 @@ impl<'a> JointSamples<'a> {
             whole: Vec::new(),
             velocities: Vec::new(),
             torques: Vec::new(),
-            common,
+            common: estimate.common[joint].as_ref(),
         };
         let of_joint = &estimate.joints[joint];
         for (index, (run, torques)) in prepared.iter().zip(&estimate.friction).enumerate() {
@@ -127,7 +123,7 @@ impl<'a> JointSamples<'a> {
             folds: self.motions.as_deref(),
             runs: Some(&self.runs),
             filtered: Some(&filtered),
-            common: self.common.as_ref(),
+            common: self.common,
             limits: robot.limits().get(self.joint).copied(),
             data: source,
             settings: filter.as_slice(),

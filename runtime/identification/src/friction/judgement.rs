@@ -1,7 +1,6 @@
 //! Report on a friction law: its R², its drift over the log, and findings about the described limits.
 
 use super::super::error::Result;
-use super::super::methods::offset::Offset;
 use super::super::methods::stribeck::StribeckWords;
 use super::super::numeric::statistics::extremes;
 use super::super::result::{FrictionLaw, FrictionResult};
@@ -10,14 +9,16 @@ use super::findings::Findings;
 use super::held_out::{HeldOutErrors, variation};
 use super::report::FrictionReport;
 use super::task::FrictionIdentification;
+use nalgebra::DMatrix;
 
 /// A law and its residual.
 pub(super) struct LawFit {
     pub(super) law: FrictionLaw,
-    pub(super) offsets: Vec<Offset>,
     pub(super) unseen: Option<HeldOutErrors>,
-    /// Residual of each sample: torque minus offset minus law.
+    /// Residual of each sample: torque minus law.
     pub(super) residuals: Vec<f64>,
+    /// Covariance of the law's coefficients.
+    pub(super) covariance: DMatrix<f64>,
     /// Degrees of freedom of the standard errors.
     pub(super) freedom: f64,
     pub(super) stribeck: Option<StribeckWords>,
@@ -31,17 +32,14 @@ impl Findings<'_> {
         judged: LawFit,
     ) -> Result<FrictionReport> {
         let data = self.data;
-        let separate = !judged.offsets.is_empty();
         let whole = 0..judged.residuals.len();
         let rss: f64 = judged.residuals.iter().map(|r| r * r).sum();
-        let total = variation(data, separate, &[whole]);
+        let total = variation(data, &[whole]);
         let held_out = judged.unseen.as_ref().and_then(|unseen| unseen.r_squared(0.0));
         self.judge(held_out, settings.least_r_squared);
         self.judge_unseen_speeds(&judged.law, data.fastest())?;
         let rms = (total / judged.residuals.len() as f64).sqrt();
-        let law = &judged.law;
-        let drift = drift(data, &data.torques_of(law)?, data.gradients_of(law)?, &judged.residuals);
-        self.all.extend(drift.iter().flat_map(|drift| drift.findings(data.unit, rms)));
+        self.all.extend(drift(data, &judged.law, &judged.residuals, rms)?);
         let [settings, findings] = self.parts();
         let result = FrictionResult {
             joint: data.joint.into(),
@@ -49,7 +47,6 @@ impl Findings<'_> {
             velocity_unit: data.velocity_unit.into(),
             law: judged.law,
             stribeck: judged.stribeck,
-            offsets: judged.offsets,
             samples: judged.residuals.len(),
             freedom: judged.freedom,
             velocity_range: extremes(data.velocities.iter().copied()),
@@ -57,13 +54,18 @@ impl Findings<'_> {
             residual: (rss / judged.residuals.len() as f64).sqrt(),
             r_squared: if total > 0.0 { 1.0 - rss / total } else { 1.0 },
             held_out,
-            drift,
             data: data.data.into(),
             settings,
             findings,
             ..FrictionResult::default()
         };
         let unseen_error = judged.unseen.as_ref().map(HeldOutErrors::error);
-        Ok(FrictionReport { unseen_error, ..FrictionReport::alone(result, judged.residuals) })
+        Ok(FrictionReport {
+            result,
+            unseen_error,
+            residuals: judged.residuals,
+            covariance: judged.covariance,
+            ..FrictionReport::default()
+        })
     }
 }

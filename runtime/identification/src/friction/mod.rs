@@ -1,7 +1,7 @@
 //! The friction law of one joint, from samples of its velocity and friction torque, with the numbers that show its quality.
 //!
 //! [`FrictionIdentification::identify`] works in these steps:
-//! - Constant torques are separated from friction (`design`).
+//! - Terms that the velocities do not distinguish are left out (`design`).
 //! - Terms are chosen by a [`FrictionMethod`] and fitted by least squares (`selection`, `terms`). The coefficients are those
 //!   of this fit, never the shrunk values of the LASSO.
 //! - Standard errors of the coefficients take correlated residuals into account (`methods::confidence`).
@@ -32,10 +32,9 @@ pub(crate) mod tests;
 pub(crate) use super::methods::filtered::{Filtered, FilteredRun};
 pub use named::METHODS;
 pub use report::{Candidate, FrictionReport};
-pub use selection::{FrictionMethod, LambdaChoice};
+pub use selection::FrictionMethod;
 pub(crate) use settings::Setting;
 pub(crate) use shares::SharedFriction;
-pub(crate) use task::CommonTerms;
 pub use task::{FrictionData, FrictionIdentification, Offsets};
 
 use super::error::{

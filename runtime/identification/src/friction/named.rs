@@ -6,7 +6,7 @@ use super::super::methods::lasso::Lasso;
 use super::super::methods::library::Library;
 use super::super::methods::stribeck::StribeckRegression;
 use super::super::methods::thresholding::Thresholding;
-use super::selection::{FrictionMethod, LambdaChoice};
+use super::selection::FrictionMethod;
 use super::task::FrictionIdentification;
 use std::collections::BTreeMap;
 
@@ -40,10 +40,7 @@ pub const METHODS: [(&str, &str, Make); 4] = [
     (
         "lasso",
         "LASSO with a cross-validated penalty (one standard error), then least squares on its terms",
-        |_| {
-            let lasso = Lasso { standardize: true, ..Lasso::default() };
-            FrictionMethod::Lasso(lasso, LambdaChoice::OneStandardError)
-        },
+        |_| FrictionMethod::Lasso(Lasso { standardize: true, ..Lasso::default() }),
     ),
     ("all", "Least squares on all terms", |_| FrictionMethod::LeastSquares),
 ];

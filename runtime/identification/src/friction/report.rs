@@ -6,18 +6,12 @@ use super::super::result::{FrictionResult, FrictionTerm};
 use nalgebra::DMatrix;
 
 /// The friction law of a joint, with its candidate terms.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct FrictionReport {
     /// The law with its errors and statistics.
     pub result: FrictionResult,
-    /// Candidate terms of the law. These are the terms of the library, without constant terms if offsets are separated or
-    /// known.
+    /// Candidate terms of the law. These are the terms of the library, without constant terms if offsets are known.
     pub terms: Vec<String>,
-    /// Cosines of the angles between the columns of the candidate terms after the offsets are removed, a p × p matrix for p
-    /// terms.
-    pub correlation: DMatrix<f64>,
-    /// Condition number of the columns of the candidate terms, scaled to unit length.
-    pub condition: f64,
     /// Covariance of the law's coefficients for correlated residuals, in the order of the law's terms.
     pub covariance: DMatrix<f64>,
     /// Cross-validated path of the LASSO: laws for decreasing weights λ of the penalty. `None` for other methods.
@@ -29,7 +23,7 @@ pub struct FrictionReport {
     pub(crate) probabilities: Option<Vec<f64>>,
     /// Mean squared error over held-out folds, and its standard error; `None` if it is not known.
     pub(super) unseen_error: Option<[f64; 2]>,
-    /// Residual of each sample [N·m or N]: friction torque minus offset minus law.
+    /// Residual of each sample [N·m or N]: friction torque minus law.
     pub residuals: Vec<f64>,
 }
 
@@ -68,21 +62,5 @@ impl FrictionReport {
             probability: self.probabilities.as_ref().map(|shares| shares[i]),
         });
         chosen.chain(others).collect()
-    }
-
-    /// A report with only the law and its residuals.
-    pub(super) fn alone(result: FrictionResult, residuals: Vec<f64>) -> Self {
-        Self {
-            result,
-            terms: Vec::new(),
-            correlation: DMatrix::zeros(0, 0),
-            condition: f64::NAN,
-            covariance: DMatrix::zeros(0, 0),
-            validation: None,
-            subsets: None,
-            probabilities: None,
-            unseen_error: None,
-            residuals,
-        }
     }
 }

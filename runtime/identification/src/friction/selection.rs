@@ -10,15 +10,6 @@ use super::super::methods::subset::{Conditions, SubsetValidation, best_of_size, 
 use super::super::methods::thresholding::Thresholding;
 use super::settings::Setting;
 
-/// Rule that chooses the weight λ of the LASSO's penalty from the errors on held-out blocks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LambdaChoice {
-    /// The weight λ of the penalty with the least error on held-out blocks.
-    Minimum,
-    /// The largest weight λ of the penalty whose error exceeds the least error by at most one standard error.
-    OneStandardError,
-}
-
 /// Method by which a friction law is identified.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FrictionMethod {
@@ -28,7 +19,7 @@ pub enum FrictionMethod {
     Thresholding(Thresholding),
     /// LASSO with 100 weights λ of the penalty. Cross-validation on contiguous blocks chooses one weight, and
     /// least squares is applied to the chosen terms.
-    Lasso(Lasso, LambdaChoice),
+    Lasso(Lasso),
     /// The subset with the fewest terms whose error on held-out blocks exceeds the least error by at most one standard error.
     /// The library must have at most twelve terms.
     BestSubset,
@@ -120,7 +111,7 @@ pub(super) fn choose(
             let subsets = folds().ok().and_then(|folds| along(sets, &folds, &conditions, &chosen.solution));
             Ok(Chosen { subsets, ..chosen })
         }
-        FrictionMethod::Lasso(lasso, choice) => by_lasso(reduced, lasso, *choice, &folds()?, &conditions),
+        FrictionMethod::Lasso(lasso) => by_lasso(reduced, lasso, &folds()?, &conditions),
         FrictionMethod::BestSubset | FrictionMethod::Ladder(_) => by_subsets(reduced, &folds()?, conditions),
         FrictionMethod::LeastSquares | FrictionMethod::Stribeck(_) => {
             Chosen::directly(Selection::All, reduced, Setting::LeastSquares)
@@ -166,23 +157,13 @@ fn along(
     SubsetValidation::along(sets, folds, 0, conditions, &chosen.active)
 }
 
-fn by_lasso(
-    reduced: &Reduced,
-    lasso: &Lasso,
-    choice: LambdaChoice,
-    folds: &[Moments],
-    conditions: &Conditions,
-) -> Result<Chosen> {
+fn by_lasso(reduced: &Reduced, lasso: &Lasso, folds: &[Moments], conditions: &Conditions) -> Result<Chosen> {
     let grid = lasso.lambda_grid(reduced.moments(), 0, 100, 1e-4)?;
     let validation = CrossValidation::new(lasso, folds, 0, &grid)?;
-    let (index, name) = match choice {
-        LambdaChoice::Minimum => (validation.minimum, "least error"),
-        LambdaChoice::OneStandardError => (validation.one_standard_error, "one standard error"),
-    };
+    let index = validation.one_standard_error;
     let lambda = grid[index];
     let note = Setting::Lasso {
         folds: folds.len(),
-        choice: name,
         lambdas: [lambda, paper_lambda(lambda, reduced.moments().samples())],
         standardize: lasso.standardize,
     };

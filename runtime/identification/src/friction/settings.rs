@@ -27,11 +27,11 @@ pub(crate) enum Setting {
     /// Sequentially thresholded least squares.
     Threshold(Thresholding),
     /// LASSO with the weight λ in the conventions of `1/(2N)‖·‖²` and of `‖·‖²`.
-    Lasso { folds: usize, choice: &'static str, lambdas: [f64; 2], standardize: bool },
+    Lasso { folds: usize, lambdas: [f64; 2], standardize: bool },
     /// Best subset of the terms.
     BestSubset { folds: usize },
     /// Nonlinear regression of a Stribeck law.
-    Stribeck { with_offsets: bool, starts: usize, passes: usize },
+    Stribeck { starts: usize, passes: usize },
     /// A Stribeck law was not tried, because sums of products contain no samples.
     NoSamples,
     /// Solution by orthogonal factorization, because the terms are nearly collinear.
@@ -81,22 +81,21 @@ impl fmt::Display for Setting {
             Self::Threshold(Thresholding { threshold, ridge, .. }) => {
                 write!(out, "sequentially thresholded least squares (threshold {threshold}, ridge {ridge}) chose the terms")
             }
-            Self::Lasso { folds, choice, lambdas, standardize } => {
+            Self::Lasso { folds, lambdas, standardize } => {
                 let [own, paper] = lambdas.map(|lambda| plain(lambda, 5));
                 let rms = if *standardize { " (terms in units of their rms)" } else { "" };
                 write!(
                     out,
-                    "LASSO chose the terms by cross-validation with {folds} contiguous parts, λ by {choice}: λ = {own} in 1/(2N)‖·‖² + λ‖·‖₁{rms}, {paper} in \
+                    "LASSO chose the terms by cross-validation with {folds} contiguous parts, λ by one standard error: λ = {own} in 1/(2N)‖·‖² + λ‖·‖₁{rms}, {paper} in \
                      ‖·‖² + λ‖·‖₁. Values and errors are those of least squares on the chosen terms"
                 )
             }
             Self::BestSubset { folds } => {
                 write!(out, "the best subset of terms was chosen by {folds}-fold cross-validation and the one-standard-error rule")
             }
-            Self::Stribeck { with_offsets, starts, passes } => write!(
+            Self::Stribeck { starts, passes } => write!(
                 out,
-                "the Stribeck law{} was fitted by nonlinear least squares with equal weights of all samples ({starts} starts, {passes} passes)",
-                offsets(with_offsets)
+                "the Stribeck law was fitted by nonlinear least squares with equal weights of all samples ({starts} starts, {passes} passes)"
             ),
             Self::NoSamples => out.write_str(
                 "the Stribeck law was not tried, because a file of moments does not contain the single samples",

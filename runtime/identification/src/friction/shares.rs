@@ -69,7 +69,8 @@ impl FrictionIdentification {
             freedom: errors.freedom,
             ..data.result(law, reduced.moments(), coefficients, findings)
         };
-        fitted.complete(FrictionReport::alone(result, Vec::new()), &candidates, errors, probable)
+        let report = FrictionReport { result, covariance: errors.covariance, ..FrictionReport::default() };
+        Ok(fitted.complete(report, &candidates, probable))
     }
 }
 

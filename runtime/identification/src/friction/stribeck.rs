@@ -1,12 +1,12 @@
-//! Stribeck laws by nonlinear regression with offsets, with the same acceptance tests as for laws of terms.
+//! Stribeck laws by nonlinear regression, with the same acceptance tests as for laws of terms.
 
 use super::super::error::Result;
+use super::super::estimation::CommonTerms;
 use super::super::methods::library::Library;
-use super::super::methods::offset::centre;
 use super::super::methods::stribeck::{NAMES, Observed, StribeckFit, StribeckRegression, slower};
 use super::super::numeric::statistics::simplest;
 use super::super::result::FrictionLaw;
-use super::design::{folds, offsets, runs};
+use super::design::{folds, runs};
 use super::errors::Errors;
 use super::findings::Findings;
 use super::held_out::{HeldOutErrors, variation};
@@ -15,7 +15,7 @@ use super::levels;
 use super::passivity::beyond;
 use super::report::FrictionReport;
 use super::settings::Setting;
-use super::task::{CommonTerms, FrictionData, FrictionIdentification, Offsets};
+use super::task::{FrictionData, FrictionIdentification};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
 use nalgebra::{DMatrix, DVector};
@@ -71,7 +71,7 @@ pub(super) fn or_simpler(
 
 /// A Stribeck law before its test on held-out data.
 struct Attempt<'a> {
-    regression: StribeckRegression,
+    regression: &'a StribeckRegression,
     samples: Observed<'a>,
     fit: StribeckFit,
     /// The finding that parameters of the fit have no physical meaning; `None` if all of them have a meaning.
@@ -84,11 +84,9 @@ impl<'a> Attempt<'a> {
     fn new(
         settings: &FrictionIdentification,
         data: &'a FrictionData,
-        regression: &StribeckRegression,
+        regression: &'a StribeckRegression,
         runs: &'a [Range<usize>],
     ) -> Result<Self> {
-        let separate = settings.offsets == Offsets::Separate;
-        let regression = StribeckRegression { offset: separate, ..regression.clone() };
         let samples = Observed {
             v: data.velocities,
             torque: data.torques,
@@ -98,11 +96,7 @@ impl<'a> Attempt<'a> {
         };
         let fit = regression.fit_runs(&samples)?.with_correlated_errors(&samples);
         let mut findings = Findings::new(data);
-        findings.note(&Setting::Stribeck {
-            with_offsets: separate,
-            starts: regression.starts,
-            passes: fit.iterations,
-        });
+        findings.note(&Setting::Stribeck { starts: regression.starts, passes: fit.iterations });
         if settings.passive {
             refuse_driving(&fit, &mut findings);
         }
@@ -113,26 +107,20 @@ impl<'a> Attempt<'a> {
     fn judged(self, settings: &FrictionIdentification) -> Result<FrictionReport> {
         let unseen = self.held_out(settings)?;
         let errors = self.errors()?;
-        let Self { samples, fit, other_law, findings, .. } = self;
+        let Self { fit, other_law, findings, .. } = self;
         let data = findings.data;
         let term = |i: usize| errors.term(i, NAMES[i], fit.parameters[i]);
         let law = FrictionLaw::Stribeck(Box::new(std::array::from_fn(term)));
         let torques = data.torques_of(&law)?;
-        let mut residuals: Vec<f64> = data.torques.iter().zip(&torques).map(|(t, l)| t - l).collect();
-        for (run, offset) in samples.runs.iter().zip(&fit.offsets) {
-            residuals[run.clone()].iter_mut().for_each(|r| *r -= offset);
-        }
-        let separate = !fit.offsets.is_empty();
         let judged = LawFit {
             law,
-            offsets: if separate { offsets(data, samples.runs, &torques, &residuals) } else { Vec::new() },
             unseen: Some(unseen),
-            residuals,
+            residuals: data.torques.iter().zip(&torques).map(|(t, l)| t - l).collect(),
+            covariance: errors.covariance,
             freedom: fit.freedom as f64,
             stribeck: other_law.is_none().then(|| fit.words()),
         };
-        let report = findings.report(settings, judged)?;
-        Ok(FrictionReport { condition: fit.condition, covariance: errors.covariance, ..report })
+        findings.report(settings, judged)
     }
 
     /// Errors of the parameters. They include errors of the estimate of all joints. They also include the
@@ -150,13 +138,8 @@ impl<'a> Attempt<'a> {
             effective_samples: data.velocities.len() as f64,
         };
         let at = fit.sensitivities(samples);
-        let map = |common: &CommonTerms| {
-            let mut columns = data.columns(&Library::new(&common.bases, &["v"])?)?;
-            if self.regression.offset {
-                columns.iter_mut().for_each(|column| centre(column, samples.runs));
-            }
-            Ok(fit.map(&at, &columns))
-        };
+        let map =
+            |common: &CommonTerms| Ok(fit.map(&at, &data.columns(&Library::new(&common.bases, &["v"])?)?));
         let common = data.common.map(|common| map(common).map(|map| (common, map)));
         let changes = data.filtered.map(|filtered| fit.changes(&at, &filtered.near()));
         own.with_biases(common.transpose()?, changes.unwrap_or_else(|| DVector::zeros(5)))
@@ -168,7 +151,7 @@ impl<'a> Attempt<'a> {
         let Self { regression, samples, fit, findings, .. } = self;
         let data = findings.data;
         let folds = folds(data, settings.folds);
-        let total = variation(data, regression.offset, &folds.concat());
+        let total = variation(data, &folds.concat());
         let error = |fold: &Vec<Range<usize>>| {
             let is_left_out = |i: usize| fold.iter().any(|range| range.contains(&i));
             let others = |i: usize| if is_left_out(i) { 0.0 } else { 1.0 };
@@ -177,10 +160,6 @@ impl<'a> Attempt<'a> {
             let mut residuals = data.torques.to_vec();
             let torques = data.torques_of(&FrictionLaw::stribeck(law, [None; 5], [None; 5]))?;
             residuals.iter_mut().zip(torques).for_each(|(left, law)| *left -= law);
-            if regression.offset {
-                // As for laws of terms, a run keeps its offset if a part of the run is held out.
-                centre(&mut residuals, samples.runs);
-            }
             let squares = fold.iter().cloned().flatten().map(|i| residuals[i] * residuals[i]);
             Ok([squares.clone().sum(), squares.count() as f64])
         };
@@ -282,7 +261,6 @@ mod tests {
         let data = FrictionData { velocities: &velocities, torques: &torques, ..FrictionData::default() };
         let settings = FrictionIdentification {
             method: FrictionMethod::Ladder(StribeckRegression::default()),
-            offsets: Offsets::Known,
             folds: 2,
             ..FrictionIdentification::new().unwrap().of_terms("viscous").unwrap()
         };

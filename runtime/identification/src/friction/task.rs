@@ -1,6 +1,7 @@
 //! Samples of one joint, and the settings of the identification of its friction law.
 
 use super::super::error::Result;
+use super::super::estimation::CommonTerms;
 use super::super::methods::filtered::Filtered;
 use super::super::methods::library::Library;
 use super::super::methods::thresholding::Thresholding;
@@ -8,7 +9,6 @@ use super::super::robot::JointLimits;
 use super::levels;
 use super::selection::FrictionMethod;
 use super::settings::Setting;
-use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 /// Samples of the velocity and the friction torque of one joint, with their units and origin.
@@ -52,29 +52,11 @@ impl<'a> FrictionData<'a> {
     }
 }
 
-/// Friction terms of the estimate of all joints ([`crate::estimation`]).
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct CommonTerms {
-    /// Friction terms as expressions in the velocity `v`.
-    pub(crate) bases: Vec<String>,
-    /// Changes of the terms' coefficients if the samples near rests and reversals are left out.
-    pub(crate) margins: DVector<f64>,
-    /// Covariance of the terms' coefficients.
-    pub(crate) covariance: DMatrix<f64>,
-    /// Degrees of freedom of the coefficients' covariance.
-    pub(crate) freedom: f64,
-}
-
 /// Meaning of a constant torque in the friction samples of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Offsets {
-    /// A constant torque of a run is an offset of the sensor, or an error of the modelled gravity. The offset is estimated
-    /// together with the law and reported, but it is neither constrained nor written into the description. Constant terms of
-    /// the library are left out. Coulomb friction that differs by direction cannot be distinguished from an offset unless the
-    /// data contain slow motion.
-    #[default]
-    Separate,
     /// The offsets are known and were subtracted from the torques before. Constant terms of the library are left out.
+    #[default]
     Known,
     /// A constant is friction: the torques have no offset, and constant terms of the library are part of the law.
     PartOfLaw,

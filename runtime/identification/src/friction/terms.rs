@@ -37,18 +37,17 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
     let errors = Errors::of_samples(&design, &fitted.solution.active, &fitted.binding, &residuals)?;
     let probable = probabilities(&reduced, &errors)?;
     let law = fitted.law(&design.library, &errors, probable.as_ref());
-    let offsets = design.offsets(&data.torques_of(&law)?, &residuals);
-    let total = variation(data, design.separate, &folds(data, settings.folds).concat());
+    let total = variation(data, &folds(data, settings.folds).concat());
     let unseen = held_out((candidates.folds)(), total, fitted.way(), &mut findings);
-    let judged = LawFit { law, offsets, unseen, residuals, freedom: errors.freedom, stribeck: None };
+    let (freedom, covariance) = (errors.freedom, errors.covariance);
+    let judged = LawFit { law, unseen, residuals, covariance, freedom, stribeck: None };
     let report = findings.report(settings, judged)?;
-    fitted.complete(report, &candidates, errors, probable)
+    Ok(fitted.complete(report, &candidates, probable))
 }
 
 fn describe_library(design: &Design, reduced: &Reduced, findings: &mut Findings) {
-    findings.note_library(&design.library, design.separate, reduced.condition());
+    findings.note_library(&design.library, false, reduced.condition());
     design.notes.iter().for_each(|note| findings.note(note));
-    findings.all.extend(design.hidden.clone());
     if reduced.is_orthogonal() {
         findings.note(&Setting::Orthogonal);
     }
@@ -137,18 +136,14 @@ impl Fitted {
         self,
         report: FrictionReport,
         of: &Candidates,
-        errors: Errors,
         probabilities: Option<Vec<f64>>,
-    ) -> Result<FrictionReport> {
-        Ok(FrictionReport {
+    ) -> FrictionReport {
+        FrictionReport {
             terms: of.library.terms().to_vec(),
-            correlation: of.reduced.moments().correlation(),
-            condition: of.reduced.condition(),
-            covariance: errors.covariance,
             validation: self.chosen.validation,
             subsets: self.chosen.subsets,
             probabilities,
             ..report
-        })
+        }
     }
 }

@@ -41,8 +41,7 @@ fn every_method_finds_the_curve() {
     let methods = [
         FrictionMethod::LeastSquares,
         FrictionMethod::Thresholding(Thresholding::default()),
-        FrictionMethod::Lasso(lasso.clone(), LambdaChoice::Minimum),
-        FrictionMethod::Lasso(lasso, LambdaChoice::OneStandardError),
+        FrictionMethod::Lasso(lasso),
         FrictionMethod::BestSubset,
         FrictionMethod::Stribeck(StribeckRegression::default()),
     ];
@@ -85,66 +84,23 @@ fn the_lasso_says_its_lambda_in_both_conventions_and_keeps_its_path() {
     let (v, torque) = samples(|v| 20.0 * v + 3.0 * (10.0 * v).tanh(), 0.2);
     let lasso = Lasso { standardize: true, ..Default::default() };
     let settings = FrictionIdentification {
-        method: FrictionMethod::Lasso(lasso, LambdaChoice::OneStandardError),
+        method: FrictionMethod::Lasso(lasso),
         ..FrictionIdentification::new().unwrap()
     };
     let report = identify(&settings, &v, &torque).unwrap();
     let text = texts(&report.result.settings, Severity::Note).join("\n");
     assert!(text.contains("in 1/(2N)‖·‖² + λ‖·‖₁") && text.contains("in ‖·‖² + λ‖·‖₁"), "{text}");
     assert_eq!(report.validation.as_ref().unwrap().path.lambdas.len(), 100);
-    // The constant of the library belongs to the offset.
+    // The constant of the library is the offset.
     assert_eq!(report.terms[..2], ["v", "sign(v)"]);
-    assert_eq!(report.correlation.shape(), (8, 8));
+    assert_eq!(report.terms.len(), 8);
     let probable = report.probabilities.unwrap();
     assert!(probable[0] > 0.99, "{probable:?}");
 }
 
-/// Law and offset that were wrong when passivity was required before the offset was separated: 1.57 forwards and 0 backwards.
 #[test]
-fn an_offset_is_separated_before_passivity_is_asked_for() {
-    let truth = |v: f64| 0.78 * (50.0 * v).tanh() + 2.0 * v;
-    let (v, torque) = samples(|v| 0.8 + truth(v), 0.05);
-    for method in [
-        FrictionMethod::BestSubset,
-        FrictionMethod::LeastSquares,
-        FrictionMethod::Stribeck(StribeckRegression::default()),
-    ] {
-        let settings = FrictionIdentification { method, ..FrictionIdentification::new().unwrap() };
-        let result = identify(&settings, &v, &torque).unwrap().result;
-        assert!(
-            texts(&result.findings, Severity::Warning).iter().all(|w| !w.contains("drives the joint")),
-            "{:?}",
-            texts(&result.findings, Severity::Warning)
-        );
-        let [offset] = result.offsets.as_slice() else { panic!("one offset") };
-        assert!((offset.value - 0.8).abs() < 0.03, "{:?}: {offset:?}", settings.method);
-        let curve = result.law.torques(&[-0.5, -0.2, 0.0, 0.2, 0.5]).unwrap();
-        for (v, t) in [-0.5, -0.2, 0.0, 0.2, 0.5].into_iter().zip(curve) {
-            assert!((t - truth(v)).abs() < 0.04, "{:?}: {t} at {v}", settings.method);
-        }
-    }
-}
-
-#[test]
-fn every_run_has_its_own_offset() {
-    let (v, mut torque) = samples(|v| 5.0 * v + 1.0 * (20.0 * v).tanh(), 0.05);
-    let runs = [0..1500, 1500..4000, 4000..6000];
-    for (run, offset) in runs.iter().zip([2.0, -1.0, 0.4]) {
-        torque[run.clone()].iter_mut().for_each(|t| *t += offset);
-    }
-    for method in [FrictionMethod::BestSubset, FrictionMethod::Stribeck(StribeckRegression::default())] {
-        let settings = FrictionIdentification { method, ..FrictionIdentification::new().unwrap() };
-        let data =
-            FrictionData { runs: Some(&runs), velocities: &v, torques: &torque, ..FrictionData::default() };
-        let report = settings.identify(&data).unwrap();
-        for (offset, truth) in report.result.offsets.iter().zip([2.0, -1.0, 0.4]) {
-            let error = (offset.value - truth).abs();
-            assert!(error < 0.02 && error < 4.0 * offset.standard_error.unwrap(), "{offset:?}");
-        }
-        assert!((report.result.residual - 0.05).abs() < 0.003, "{}", report.result.residual);
-        let one = settings.identify(&FrictionData { runs: None, ..data }).unwrap();
-        assert!(one.result.residual > 0.5);
-    }
+fn runs_must_cover_the_samples() {
+    let (v, torque) = samples(|v| 5.0 * v, 0.05);
     let bad = [0..10, 11..6000];
     let data = FrictionData { runs: Some(&bad), velocities: &v, torques: &torque, ..FrictionData::default() };
     let message = FrictionIdentification::new().unwrap().identify(&data).unwrap_err().to_string();
@@ -176,7 +132,7 @@ fn a_law_that_would_drive_the_joint_is_mended_with_a_warning() {
 #[test]
 fn friction_that_differs_by_direction_is_found() {
     let truth = |v: f64| if v > 0.0 { 8.0 * v } else { 5.0 * v };
-    let (v, torque) = samples(|v| 0.3 + truth(v), 0.05);
+    let (v, torque) = samples(truth, 0.05);
     let settings = FrictionIdentification {
         method: FrictionMethod::BestSubset,
         ..FrictionIdentification::new().unwrap()
@@ -222,7 +178,7 @@ fn constants_belong_to_the_law_where_that_is_said() {
 
 #[test]
 fn a_law_that_explains_nothing_is_refused() {
-    let (v, torque) = samples(|_| 3.0, 0.5);
+    let (v, torque) = samples(|_| 0.0, 0.5);
     for method in [FrictionMethod::LeastSquares, FrictionMethod::Stribeck(StribeckRegression::default())] {
         let settings =
             FrictionIdentification { method, passive: false, ..FrictionIdentification::new().unwrap() };
@@ -246,21 +202,25 @@ fn a_law_that_explains_nothing_is_refused() {
 fn r_squared_is_centred_and_on_data_that_were_left_out() {
     let (v, torque) = samples(|v| 30.0 + 4.0 * v, 1.5);
     let settings = FrictionIdentification {
-        library: Library::new(&["v"], &["v"]).unwrap(),
+        library: Library::new(&["1", "v"], &["v"]).unwrap(),
         method: FrictionMethod::LeastSquares,
+        offsets: Offsets::PartOfLaw,
+        passive: false,
         folds: 4,
         ..FrictionIdentification::new().unwrap()
     };
     let result = identify(&settings, &v, &torque).unwrap().result;
     let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
-    let (level, speed) = (mean(&torque), mean(&v));
+    let level = mean(&torque);
     let (mut left, mut total) = (0.0, 0.0);
     for k in 0..4 {
         let fold = 1500 * k..1500 * (k + 1);
         let others: Vec<usize> = (0..6000).filter(|i| !fold.contains(i)).collect();
-        let product: f64 = others.iter().map(|&i| (v[i] - speed) * (torque[i] - level)).sum();
+        let of_others = |column: &[f64]| mean(&others.iter().map(|&i| column[i]).collect::<Vec<_>>());
+        let (middle, speed) = (of_others(&torque), of_others(&v));
+        let product: f64 = others.iter().map(|&i| (v[i] - speed) * (torque[i] - middle)).sum();
         let slope = product / others.iter().map(|&i| (v[i] - speed).powi(2)).sum::<f64>();
-        left += fold.clone().map(|i| (torque[i] - level - slope * (v[i] - speed)).powi(2)).sum::<f64>();
+        left += fold.clone().map(|i| (torque[i] - middle - slope * (v[i] - speed)).powi(2)).sum::<f64>();
         total += fold.map(|i| (torque[i] - level).powi(2)).sum::<f64>();
     }
     assert!((result.held_out.unwrap() - (1.0 - left / total)).abs() < 1e-12, "{:?}", result.held_out);
@@ -278,21 +238,15 @@ fn drift_is_shown_where_it_is_there() {
             .enumerate()
             .map(|(i, t)| t * (1.0 - factor * i as f64 / 6000.0) + slope * i as f64 / 6000.0)
             .collect();
-        let result = identify(&settings, &v, &changed).unwrap().result;
-        (result.drift.unwrap(), texts(&result.findings, Severity::Warning).join("; "))
+        texts(&identify(&settings, &v, &changed).unwrap().result.findings, Severity::Warning).join("; ")
     };
-    let (_, words) = drift(0.0, 0.0);
+    let words = drift(0.0, 0.0);
     assert!(!words.contains("drifts]"), "{words}");
-    let (warm, words) = drift(0.2, 0.0);
+    let words = drift(0.2, 0.0);
     // A fifth of the first value is 22 % of the middle one.
-    assert!((warm.friction.change + 0.222).abs() < 0.02, "{warm:?}");
     assert!(words.contains("[friction-drifts]: friction changes by -22."), "{words}");
-    let (offset, words) = drift(0.0, 1.0);
-    assert!(
-        (offset.offset.change - 1.0).abs() < 0.05
-            && words.contains("[offset-drifts]: the constant torque drifts by"),
-        "{words}"
-    );
+    let words = drift(0.0, 1.0);
+    assert!(words.contains("[offset-drifts]: the constant torque drifts by 0.99"), "{words}");
 }
 
 /// Errors that are correlated over a tenth of a second, as smoothing leaves them.
@@ -308,7 +262,7 @@ fn correlated_samples(seed: u64) -> (Vec<f64>, Vec<f64>) {
         slow = 0.82 * slow + 0.57 * random.normal();
         0.2 * slow
     };
-    let torque = v.iter().map(|v| 0.5 + 4.0 * v + 1.5 * (10.0 * v).tanh() + error()).collect();
+    let torque = v.iter().map(|v| 4.0 * v + 1.5 * (10.0 * v).tanh() + error()).collect();
     (v, torque)
 }
 
@@ -392,7 +346,8 @@ fn bad_data_have_messages() {
     assert!(message(&[1.0; 50], &[1.0; 50]).starts_with("the velocity of beta is constant (1) in all 50"));
     assert!(message(&[1.0, f64::NAN], &[1.0; 2]).contains("not finite (NaN) at row 1"));
     assert!(message(&[1.0, 2.0], &[1.0]).contains("friction torques: 2 are expected, but 1 are given"));
-    assert!(message(&[0.1, 0.2, 0.3], &[1.0; 3]).contains("needs at least 7 samples, but there are 3"));
+    let few = message(&[0.1, 0.2, 0.3], &[1.0; 3]);
+    assert!(few.contains("needs at least 5 samples, but there are 3"), "{few}");
 }
 
 /// Torques that passed a filter, which rounds the reversals. Terms that also pass the filter reproduce the law. Other terms do
@@ -489,25 +444,6 @@ fn intervals_of_stribeck_laws_hold_friction_that_jumps() {
     println!("95 % intervals of a1, a2, a4, a5 hold {held:.2?}, half widths {widths:.3?}");
     // Without the change near reversals, the coverages are .92, .88, .88 and .96.
     assert!(held.iter().sum::<f64>() / 4.0 >= 0.95 && held.iter().all(|share| *share >= 0.88), "{held:?}");
-}
-
-/// Two runs, each in one direction: the offset of each run contains the whole Coulomb friction.
-#[test]
-fn offsets_of_runs_in_one_direction_hold_the_coulomb_friction() {
-    let v: Vec<f64> = (0..2000)
-        .map(|i| if i < 1000 { 0.5 } else { -0.5 } * (1.0 + 0.4 * (0.02 * f64::from(i)).sin()))
-        .collect();
-    let torques: Vec<f64> = v.iter().map(|v| 4.0 * v + 1.5 * v.signum() + 0.3).collect();
-    let settings = FrictionIdentification {
-        library: Library::new(&["v", "sign(v)"], &["v"]).unwrap(),
-        method: FrictionMethod::LeastSquares,
-        ..FrictionIdentification::new().unwrap()
-    };
-    let runs = [0..1000, 1000..2000];
-    let data = FrictionData { runs: Some(&runs), ..FrictionData::of("beta", &v, &torques) };
-    let each = settings.identify(&data).unwrap().result;
-    assert_eq!(each.law.coefficients().len(), 1);
-    assert!((each.offsets[0].value - 1.8).abs() < 1e-9 && (each.offsets[1].value + 1.2).abs() < 1e-9);
 }
 
 /// A joint that moves in one part of the log only: without this fold, no law can be fitted.

@@ -78,11 +78,7 @@ pub(crate) fn constrained(
     rows: &DMatrix<f64>,
 ) -> Result<DVector<f64>> {
     let gram = moments.gram().select_rows(active).select_columns(active);
-    let collinear = || IdentificationError::Collinear {
-        terms: active.iter().map(|&i| moments.names()[i].clone()).collect(),
-        condition: moments.condition(),
-        limit: 1e7,
-    };
+    let collinear = || moments.collinear(active);
     let factor = gram.cholesky().ok_or_else(collinear)?.l();
     // With z = Lᵀ(ξ − ξ_free), E = A L⁻ᵀ and f = −A ξ_free: minimize ‖z‖ subject to E z ≥ f.
     let a = rows.select_columns(active);

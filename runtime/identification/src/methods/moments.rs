@@ -323,6 +323,12 @@ impl Moments {
         if least > 0.0 { (largest / least).sqrt() } else { f64::INFINITY }
     }
 
+    /// Error that these terms cannot be distinguished.
+    pub(crate) fn collinear(&self, terms: &[usize]) -> IdentificationError {
+        let terms = terms.iter().map(|&i| self.names[i].clone()).collect();
+        IdentificationError::Collinear { terms, condition: self.condition(), limit: 1e7 }
+    }
+
     pub(crate) fn require_no_zero_column(&self) -> Result<()> {
         match (0..self.terms()).find(|&i| self.products[(i, i)] == 0.0) {
             None => Ok(()),

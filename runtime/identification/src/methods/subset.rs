@@ -285,11 +285,7 @@ pub(crate) fn best_of_size(
             best = Some((residual, coefficients));
         }
     }
-    best.map(|b| b.1).ok_or_else(|| IdentificationError::Collinear {
-        terms: moments.names().to_vec(),
-        condition: moments.condition(),
-        limit: 1e7,
-    })
+    best.map(|b| b.1).ok_or_else(|| moments.collinear(&(0..moments.terms()).collect::<Vec<_>>()))
 }
 
 #[cfg(test)]

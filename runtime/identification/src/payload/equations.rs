@@ -3,7 +3,7 @@
 use super::levels;
 use super::settings::PayloadSettings;
 use crate::error::{IdentificationError, Result, require_length, require_samples};
-use crate::estimation::distance;
+use crate::estimation::{distance, inverse};
 use crate::inertial::PER_BODY;
 use crate::numeric::statistics::largest;
 use crate::pose::rows_of;
@@ -134,7 +134,7 @@ impl Equations {
             let reduced = self.reduced(&weights)?;
             let mut definite = reduced.hessian.clone();
             stiffen(&mut definite, 0..PER_BODY);
-            let load = definite.cholesky().ok_or_else(|| singular("the load"))?.solve(&reduced.linear);
+            let load = definite.cholesky().ok_or_else(singular)?.solve(&reduced.linear);
             let x = self.homogeneous(&reduced, &load);
             weights = all.iter().map(|s| weight(x.dot(&(&s.gram * &x)), s)).collect();
         }
@@ -164,7 +164,7 @@ impl Equations {
         stiffen(&mut own, 0..n);
         let coupling = total.view((0, n), (n, PER_BODY)).into_owned();
         let right = total.view((0, n + PER_BODY), (n, 1)).column(0).into_owned();
-        let factor = own.cholesky().ok_or_else(|| singular("the robot without load"))?;
+        let factor = own.cholesky().ok_or_else(singular)?;
         let hessian = total.view((n, n), (PER_BODY, PER_BODY)) - coupling.tr_mul(&factor.solve(&coupling));
         let linear =
             total.view((n, n + PER_BODY), (PER_BODY, 1)).column(0) - coupling.tr_mul(&factor.solve(&right));
@@ -197,7 +197,7 @@ impl Equations {
         let blocks = self.blocks.len() as f64;
         meat *= blocks / (blocks - 1.0);
         meat += (projection.tr_mul(&(&self.prior * &projection)) + held) * self.weight;
-        let bread = inverse(&hessian, "the load")?;
+        let bread = inverse(&hessian)?;
         Ok(&bread * meat * &bread)
     }
 
@@ -216,17 +216,6 @@ impl Equations {
         };
         (0..self.joints).map(share).collect()
     }
-}
-
-/// Inverse of a definite matrix whose rows may have different units.
-///
-/// - `what`: name of the unknowns in the error
-pub(super) fn inverse(matrix: &DMatrix<f64>, what: &str) -> Result<DMatrix<f64>> {
-    let sizes = matrix.diagonal().map(f64::sqrt);
-    let scaled = |of: &DMatrix<f64>| {
-        DMatrix::from_fn(of.nrows(), of.ncols(), |r, c| of[(r, c)] / (sizes[r] * sizes[c]))
-    };
-    Ok(scaled(&scaled(matrix).cholesky().ok_or_else(|| singular(what))?.inverse()))
 }
 
 /// Makes a semidefinite matrix definite if columns are zero or dependent.
@@ -390,10 +379,7 @@ impl<'a> Columns<'a> {
     }
 }
 
-fn singular(what: &str) -> IdentificationError {
-    IdentificationError::NoSolution {
-        reason: format!(
-            "the equations of {what} are singular. Record a longer motion in which more joints move"
-        ),
-    }
+fn singular() -> IdentificationError {
+    let reason = "the equations of the load are singular. Record a longer motion in which more joints move";
+    IdentificationError::NoSolution { reason: reason.into() }
 }

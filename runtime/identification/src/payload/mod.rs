@@ -26,14 +26,14 @@ pub use result::Payload;
 pub use settings::PayloadSettings;
 
 use crate::error::{Result, require_setting};
-use crate::estimation::distance;
+use crate::estimation::{distance, inverse};
 use crate::inertial::consistent::{ConsistentProblem, ConsistentSolution, solve};
 use crate::inertial::{PER_BODY, from_pseudo_inertia};
 use crate::methods::confidence::quantile;
 use crate::numeric::statistics::median;
 use crate::robot::{Robot, require_no_driven};
 use crate::run::PreparedRun;
-use equations::{Equations, Reduced, inverse};
+use equations::{Equations, Reduced};
 use nalgebra::{DMatrix, DVector, Matrix4};
 
 /// Estimates a load from runs without and with the load.
@@ -58,26 +58,20 @@ pub(crate) fn estimate(
     let equations = Equations::new(robot, without, with, body, settings)?;
     let weights = equations.weights()?;
     let reduced = equations.reduced(&weights)?;
-    let degrees = equations.blocks() - 1;
+    let factor = quantile(settings.confidence, (equations.blocks() - 1).max(1) as f64)?;
     // The first reference is a load of about the robot's size. If the motion determines the mass, the second reference is a
     // ball at the estimated centre. If the motion does not determine the mass, it does not determine a centre either.
     let mut found = Found::near(anything(robot), &equations, &weights, &reduced, settings)?;
-    let half = quantile(settings.confidence, degrees.max(1) as f64)? * found.covariance[(0, 0)].sqrt();
-    if found.load.parameters[0] > half {
+    if found.load.parameters[0] > factor * found.covariance[(0, 0)].sqrt() {
         let ball = ball(found.load.parameters.as_slice());
         found = Found::near(ball, &equations, &weights, &reduced, settings)?;
     }
-    report::payload(report::Parts {
-        names: robot.joint_names(),
-        body,
-        load: &found.load,
-        covariance: &found.covariance,
-        sizes: &found.sizes,
-        degrees,
-        confidence: settings.confidence,
-        explained: equations.explained(&reduced, &found.load.parameters),
-        residuals: weights.iter().map(|&w| (w > 0.0).then(|| 1.0 / w.sqrt())).collect(),
-    })
+    let explained = equations.explained(&reduced, &found.load.parameters);
+    let residuals = weights.iter().map(|&w| (w > 0.0).then(|| 1.0 / w.sqrt())).collect();
+    let values = report::values(&found.load.parameters, &found.covariance, &found.sizes, factor);
+    let mut payload = Payload { body, explained, residuals, ..values };
+    payload.findings = report::findings(&payload, &found.load, &robot.joint_names());
+    Ok(payload)
 }
 
 fn check(robot: &dyn Robot, settings: &PayloadSettings) -> Result<usize> {
@@ -104,7 +98,7 @@ struct Found {
     covariance: DMatrix<f64>,
     /// For each parameter, the difference between the reference and a body at the distance 1 from the
     /// reference, as measured by [`PayloadSettings::weight`].
-    sizes: Vec<f64>,
+    sizes: DVector<f64>,
 }
 
 impl Found {
@@ -125,7 +119,8 @@ impl Found {
             nonnegative: Vec::new(),
         })?;
         let covariance = equations.covariance(weights, reduced, &held, &load.parameters)?;
-        Ok(Self { covariance, sizes: prior_sizes(&held, weight)?, load })
+        let sizes = inverse(&held)?.diagonal().map(|square| (weight * square).sqrt());
+        Ok(Self { covariance, sizes, load })
     }
 }
 
@@ -152,13 +147,6 @@ fn ball(pi: &[f64]) -> [f64; PER_BODY] {
     }
     j[(3, 3)] = mass;
     from_pseudo_inertia(&j)
-}
-
-/// For each parameter, the difference between the reference ball and bodies at the distance 1 from this ball
-/// ([`PayloadSettings::weight`]).
-fn prior_sizes(hessian: &DMatrix<f64>, weight: f64) -> Result<Vec<f64>> {
-    let inverse = inverse(hessian, "the load's reference")?;
-    Ok(inverse.diagonal().iter().map(|square| (weight * square).sqrt()).collect())
 }
 
 #[cfg(test)]

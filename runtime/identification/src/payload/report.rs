@@ -1,14 +1,12 @@
 //! Report on a load: mass, centre of mass, moments of inertia about the centre of mass, intervals, findings.
 
 use super::result::{NAMES, Payload};
-use crate::error::Result;
 use crate::estimation::Uncertain;
 use crate::inertial::PER_BODY;
 use crate::inertial::consistent::ConsistentSolution;
-use crate::methods::confidence::quantile;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
-use nalgebra::{DMatrix, RowDVector};
+use nalgebra::{DMatrix, DVector, RowDVector};
 
 /// Sees: a mass of the load whose interval contains zero.
 /// Matters: there may be no load.
@@ -40,49 +38,38 @@ const NOT_USED: Rule = Rule::warning("load-efforts-not-used");
 /// Fixture: `payload/tests.rs`.
 const WORSE: Rule = Rule::warning("load-residuals");
 
-/// Inputs of the report on a load.
-pub(super) struct Parts<'a> {
-    pub names: Vec<String>,
-    pub body: usize,
-    pub load: &'a ConsistentSolution,
-    pub covariance: &'a DMatrix<f64>,
-    /// For each parameter, its range among bodies with the mass of the load.
-    pub sizes: &'a [f64],
-    pub degrees: usize,
-    pub confidence: f64,
-    pub explained: Vec<Option<f64>>,
-    pub residuals: Vec<Option<f64>>,
-}
-
-pub(super) fn payload(parts: Parts) -> Result<Payload> {
-    let quantile = quantile(parts.confidence, parts.degrees.max(1) as f64)?;
-    let pi: [f64; PER_BODY] = std::array::from_fn(|k| parts.load.parameters[k]);
+/// The values of a load with their intervals.
+///
+/// - `sizes`: for each parameter, its range among bodies with the mass of the load
+/// - `factor`: half width of an interval in standard errors
+pub(super) fn values(
+    parameters: &DVector<f64>,
+    covariance: &DMatrix<f64>,
+    sizes: &DVector<f64>,
+    factor: f64,
+) -> Payload {
+    let pi: [f64; PER_BODY] = std::array::from_fn(|k| parameters[k]);
     let half = |gradient: &[f64; PER_BODY]| {
         let g = RowDVector::from_row_slice(gradient);
-        quantile * (&g * parts.covariance * g.transpose())[0].max(0.0).sqrt()
+        factor * (&g * covariance * g.transpose())[0].max(0.0).sqrt()
     };
     let of = |function: &dyn Fn(&[f64; PER_BODY]) -> f64| {
         let (value, half) = (function(&pi), half(&gradient(function, &pi)));
-        Uncertain { value, standard_error: half / quantile, interval: [value - half, value + half] }
+        Uncertain { value, standard_error: half / factor, interval: [value - half, value + half] }
     };
     let parameters: [Uncertain; PER_BODY] = std::array::from_fn(|k| of(&move |pi| pi[k]));
     let shown = std::array::from_fn(|k| {
         let [low, high] = parameters[k].interval;
-        0.5 * (high - low) < parts.sizes[k]
+        0.5 * (high - low) < sizes[k]
     });
-    let mut payload = Payload {
-        body: parts.body,
+    Payload {
         mass: parameters[0],
         centre_of_mass: std::array::from_fn(|k| of(&move |pi| pi[1 + k] / pi[0])),
         moments: std::array::from_fn(|k| of(&move |pi| central_moments(pi)[k])),
         parameters,
         shown,
-        explained: parts.explained,
-        residuals: parts.residuals,
-        findings: Vec::new(),
-    };
-    payload.findings = findings(&payload, parts.load, &parts.names);
-    Ok(payload)
+        ..Payload::default()
+    }
 }
 
 /// Gradient by central differences with steps of the parameters' size. The functions are smooth if the mass is positive.
@@ -112,7 +99,7 @@ fn central_moments(pi: &[f64; PER_BODY]) -> [f64; 6] {
     ]
 }
 
-fn findings(payload: &Payload, load: &ConsistentSolution, names: &[String]) -> Vec<Finding> {
+pub(super) fn findings(payload: &Payload, load: &ConsistentSolution, names: &[String]) -> Vec<Finding> {
     let [low, high] = payload.mass.interval;
     let none = (low <= 0.0).then(|| {
         NO_LOAD.found(format!(

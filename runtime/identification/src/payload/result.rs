@@ -13,7 +13,7 @@ pub(crate) const NAMES: [&str; PER_BODY] =
 /// The intervals take correlated residuals into account. For parameters that the motion does not determine,
 /// they also include possible errors of the description and of the reference ball. The reference ball has
 /// 1500 kg/m³ and the load's mass.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Payload {
     /// Index of the body that carries the load, from 0.
     pub body: usize,

@@ -32,24 +32,25 @@ pub(super) fn candidates(lowest: f64, highest: f64, per_octave: f64) -> Vec<f64>
 /// signal and N the power of the noise, both of accelerations (ω⁴ times the power of positions). H is the gain of the
 /// filter.
 pub(super) fn relative_errors(quality: &PositionQuality, bandwidth: f64) -> [f64; 2] {
-    let (mut lost, mut left, mut all) = (0.0, 0.0, 0.0);
+    let [all, lost, _, left] = filtered(quality, bandwidth);
+    if all > 0.0 { [lost / all, left / all] } else { [1.0, 1.0] }
+}
+
+/// Power of a joint's acceleration: of the signal, the part of it that a filter removes, the part that passes the filter, and
+/// the noise that passes.
+fn filtered(quality: &PositionQuality, bandwidth: f64) -> [f64; 4] {
+    let mut sums = [0.0; 4];
     for (frequency, signal, noise) in quality.spectrum.accelerations(quality.density) {
         let h = gain(bandwidth, frequency);
-        lost += (1.0 - h).powi(2) * signal;
-        left += h * h * noise;
-        all += signal;
+        let parts = [signal, (1.0 - h).powi(2) * signal, h * h * signal, h * h * noise];
+        sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part);
     }
-    if all > 0.0 { [lost / all, left / all] } else { [1.0, 1.0] }
+    sums
 }
 
 /// Returns the share of noise in the power of a filtered acceleration.
 pub(super) fn noise_share(quality: &PositionQuality, bandwidth: f64) -> f64 {
-    let (mut left, mut passed) = (0.0, 0.0);
-    for (frequency, signal, noise) in quality.spectrum.accelerations(quality.density) {
-        let h = gain(bandwidth, frequency);
-        left += h * h * noise;
-        passed += h * h * signal;
-    }
+    let [_, _, passed, left] = filtered(quality, bandwidth);
     left / (left + passed).max(f64::MIN_POSITIVE)
 }
 

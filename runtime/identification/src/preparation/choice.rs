@@ -253,13 +253,12 @@ impl<'a> Recorded<'a> {
 /// Returns the delay that is removed from each effort. It is the given delay, or an estimated one that is too large for the
 /// linear correction in the common estimate.
 fn removed(settings: &PreparationSettings, found: &Option<Delays>, efforts: usize) -> Vec<Delay> {
-    let none =
-        Delay { removed: settings.delay.unwrap_or(0.0), estimated: f64::NAN, error: f64::NAN, own: false };
+    let none = Delay { removed: settings.delay.unwrap_or(0.0), error: f64::NAN, own: false };
     let Some(found) = found else { return vec![none; efforts] };
     let of_effort = |own: &DelayEstimate| {
         let differs = own.drop > levels::DROP.get();
         let removed = if differs { own.if_far() } else { found.common.if_far() };
-        Delay { removed, estimated: own.value, error: own.error, own: differs }
+        Delay { removed, error: own.error, own: differs }
     };
     found.own.iter().map(of_effort).collect()
 }

@@ -120,7 +120,6 @@ impl Recorded<'_> {
             name: self.name(j),
             noise: quality.noise,
             resolution: resolutions.fold(0.0, f64::max),
-            hold: self.hold(|s| &s.positions[j]),
             moves: quality.moves,
             bandwidth: how.bandwidth,
             acceleration_noise: noise_share(quality, how.bandwidth),

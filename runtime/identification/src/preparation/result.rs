@@ -25,9 +25,6 @@ pub(crate) struct Delay {
     /// Removed delay in s. The preparation removes a given delay, or an estimated delay that exceeds 10 ms by two standard
     /// errors. The common estimate adds the rest of an estimated delay.
     pub removed: f64,
-    /// Delay of this effort in s, as estimated in the preparation and shrunk towards the common delay. NaN if the delay was
-    /// given, or if the effort does not show a delay.
-    pub estimated: f64,
     /// Standard error of the delay in s for correlated residuals. It comes from the common estimate if this refined the
     /// delay, otherwise from the preparation. NaN if no delay was estimated.
     pub error: f64,
@@ -44,9 +41,6 @@ pub struct JointPreparation {
     pub noise: f64,
     /// Smallest change between two measured positions in rad or m. For a coarse encoder it is the resolution.
     pub resolution: f64,
-    /// Mean number of log rows in which the same measured position is repeated, in the run with the largest number. It is 1 if
-    /// each row has a new position.
-    pub hold: f64,
     /// Whether the joint moves by more than ten times its noise.
     pub moves: bool,
     /// Half-amplitude frequency of the filter in Hz. It is the same for all joints.

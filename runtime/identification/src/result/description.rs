@@ -12,7 +12,7 @@
 //! friction = { terms = [["v", 76.5], ["tanh(10*v)", 16.9]] }
 //! ```
 
-use super::super::error::{IdentificationError, Result, at};
+use super::super::error::{self, IdentificationError, Result, at};
 use super::super::methods::expression::fault;
 use super::{FrictionLaw, FrictionResult, FrictionTerm};
 use gelenk_files::{is_same_file, write_whole};
@@ -166,16 +166,8 @@ fn written(joint: &str, terms: &[FrictionTerm]) -> Result<Vec<Written<String>>> 
 }
 
 fn require_finite(joint: &str, terms: &[FrictionTerm]) -> Result<()> {
-    match terms.iter().enumerate().find(|(_, term)| !term.coefficient.is_finite()) {
-        None => Ok(()),
-        Some((row, term)) => Err(IdentificationError::NotFinite {
-            what: format!("the coefficient of {} of joint {joint}", term.basis),
-            row,
-            value: term.coefficient,
-            count: 1,
-            samples: terms.len(),
-        }),
-    }
+    let what = |term: &FrictionTerm| format!("the coefficient of {} of joint {joint}", term.basis);
+    terms.iter().try_for_each(|term| error::require_finite(&what(term), &[term.coefficient]))
 }
 
 /// Converts a term of a library to a formula of descriptions. Every formula of descriptions is also a valid term of a

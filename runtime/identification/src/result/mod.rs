@@ -5,13 +5,11 @@ use super::methods::confidence::quantile;
 use super::methods::library::Library;
 pub use super::methods::offset::Offset;
 use super::methods::stribeck::{StribeckWords, stribeck_gradient, stribeck_torque};
-pub(crate) use drift::{Drift, Trend};
 use gelenk_findings::digits::{plain, rounded, vanishes, with_error};
 use gelenk_findings::{Finding, Severity};
 use nalgebra::DMatrix;
 
 pub mod description;
-mod drift;
 
 /// Confidence level of the intervals in tables and descriptions.
 pub(crate) const CONFIDENCE: f64 = 0.95;
@@ -216,12 +214,10 @@ pub struct FrictionResult {
     /// Root mean square of the residual, in N·m or N.
     pub residual: f64,
     /// Coefficient of determination `R² = 1 − RSS/Σ (τ − τ̄)²` on the fitted data. RSS is the residual sum of squares, and τ
-    /// is the torque. The mean τ̄ is the mean of each run if every run has its offset, otherwise the mean of all samples.
+    /// is the torque with its mean τ̄.
     pub r_squared: f64,
     /// R² on the held-out folds of a cross-validation; `None` if there are too few samples.
     pub held_out: Option<f64>,
-    /// Change of the residual torque over the log; `None` if there are too few samples.
-    pub(crate) drift: Option<Drift>,
     /// File name and SHA-256 of the data.
     pub data: String,
     /// Notes on the settings: method, λ (weight of the LASSO's penalty) with its objective function, selection of samples,

@@ -3,7 +3,6 @@
 use super::super::super::friction::{
     Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionMethod, FrictionReport,
 };
-use super::super::super::identify::common;
 use super::super::super::methods::library::Library;
 use super::super::super::numeric::random::SplitMix64;
 use super::super::super::preparation::{Filter, PreparationSettings, prepare_all};
@@ -180,7 +179,8 @@ pub(super) fn law(
     let velocities = &run.velocities[joint];
     let kept: Vec<usize> = (0..velocities.len()).filter(|i| !run.rests(joint, *i)).collect();
     let of = |column: &[f64]| kept.iter().map(|i| column[*i]).collect::<Vec<f64>>();
-    let common = common(found, joint);
+    let offset = found.joints[joint].offsets[0];
+    let torques = of(&found.friction[0][joint]).into_iter().map(|torque| torque - offset);
     let filtered =
         filter.map(|filter| Filtered { filter, runs: vec![FilteredRun { velocities, kept: kept.clone() }] });
     let data = FrictionData {
@@ -188,8 +188,8 @@ pub(super) fn law(
         unit: "N·m",
         velocity_unit: "rad/s",
         velocities: &of(velocities),
-        torques: &of(&found.friction[0][joint]),
-        common: common.as_ref(),
+        torques: &torques.collect::<Vec<_>>(),
+        common: found.common[joint].as_ref(),
         filtered: filtered.as_ref(),
         ..FrictionData::default()
     };

@@ -142,5 +142,5 @@ fn findings_survive_an_error() {
         "{error}"
     );
     let said: Vec<String> = findings.iter().map(ToString::to_string).collect();
-    assert!(said.iter().any(|said| said.contains("have the same time as the sample before")), "{said:?}");
+    assert!(said.iter().any(|said| said.contains("has the same time as the sample before")), "{said:?}");
 }

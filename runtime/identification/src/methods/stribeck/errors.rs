@@ -2,9 +2,8 @@
 
 use super::super::confidence::{Correlated, LongRun};
 use super::super::margin::change;
-use super::super::offset::centre;
 use super::law::{NAMES, StribeckFit};
-use super::refine::{Data, Normal, Observed};
+use super::refine::{Normal, Observed};
 use crate::numeric::spectrum::symmetric_eigen;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule, counted};
@@ -16,29 +15,26 @@ use nalgebra::{DMatrix, DVector, SMatrix};
 /// Fixture: `methods/stribeck/tests.rs`.
 const PARAMETERS: Rule = Rule::warning("stribeck-parameters");
 
-pub(super) fn summarize(data: &Data, state: &Normal) -> StribeckFit {
-    let constants = if data.offset { data.samples.runs.len() } else { 0 };
-    let freedom = data.samples.v.len().saturating_sub(5 + constants).max(1);
+pub(super) fn summarize(samples: &Observed, state: &Normal) -> StribeckFit {
+    let freedom = samples.v.len().saturating_sub(5).max(1);
     let variance = state.cost / freedom as f64;
-    let information = shown(data, state);
-    let (inverse, lost, condition) = inverse(&information);
+    let information = shown(samples, state);
+    let (inverse, lost) = inverse(&information);
     let known = |i: usize, variance: f64| (!lost[i]).then(|| variance.max(0.0).sqrt());
     let covariance = inverse * variance;
     let mut fit = StribeckFit {
         parameters: state.a,
-        offsets: if data.offset { state.offsets.clone() } else { Vec::new() },
         covariance,
         standard_errors: std::array::from_fn(|i| known(i, covariance[(i, i)])),
         resolutions: std::array::from_fn(|i| known(i, variance / information[(i, i)])),
         variance,
         freedom,
-        condition,
         iterations: state.iterations,
         converged: state.converged,
         warnings: Vec::new(),
         information,
     };
-    fit.warnings = warnings(&fit, data);
+    fit.warnings = warnings(&fit, samples);
     fit
 }
 
@@ -48,8 +44,8 @@ const ROUNDING: f64 = 1e-24;
 /// Returns JᵀWJ with the derivatives J of the law with respect to its parameters a1 … a5, and the weights W.
 /// The rows and columns of a3 and a5 are zero if the law does not depend on these parameters, for example if
 /// a2 and a4 are zero.
-fn shown(data: &Data, state: &Normal) -> SMatrix<f64, 5, 5> {
-    let energy = data.samples.energy();
+fn shown(samples: &Observed, state: &Normal) -> SMatrix<f64, 5, 5> {
+    let energy = samples.energy();
     let mut information = state.h;
     for i in [2, 4] {
         if state.a[i].powi(2) * information[(i, i)] <= ROUNDING * energy {
@@ -63,7 +59,7 @@ fn shown(data: &Data, state: &Normal) -> SMatrix<f64, 5, 5> {
 /// Returns the inverse of the matrix H of the normal equations, a flag for each parameter that is not
 /// identifiable, and the condition number of the scaled sensitivities. The rows and columns of parameters
 /// that are not identifiable are zero.
-fn inverse(h: &SMatrix<f64, 5, 5>) -> (SMatrix<f64, 5, 5>, [bool; 5], f64) {
+fn inverse(h: &SMatrix<f64, 5, 5>) -> (SMatrix<f64, 5, 5>, [bool; 5]) {
     let d = h.diagonal().map(|h| if h > 0.0 { h.sqrt() } else { 1.0 });
     let scaled = SMatrix::<f64, 5, 5>::from_fn(|i, j| h[(i, j)] / (d[i] * d[j]));
     let eigen = symmetric_eigen(scaled);
@@ -81,9 +77,7 @@ fn inverse(h: &SMatrix<f64, 5, 5>) -> (SMatrix<f64, 5, 5>, [bool; 5], f64) {
         }
     }
     let entry = |i: usize, j: usize| if lost[i] || lost[j] { 0.0 } else { inverse[(i, j)] / (d[i] * d[j]) };
-    let least = eigen.eigenvalues.min().max(0.0);
-    let condition = if least > 0.0 { (largest / least).sqrt() } else { f64::INFINITY };
-    (SMatrix::from_fn(entry), lost, condition)
+    (SMatrix::from_fn(entry), lost)
 }
 
 impl StribeckFit {
@@ -93,7 +87,7 @@ impl StribeckFit {
     /// - `samples`: samples of the regression
     pub(crate) fn with_correlated_errors(mut self, samples: &Observed) -> Self {
         let (scores, runs) = (self.scores(samples), samples.runs);
-        let (inverse, ..) = inverse(&self.information);
+        let (inverse, _) = inverse(&self.information);
         let errors = Correlated::new(&DMatrix::from_fn(5, 5, |i, k| inverse[(i, k)]), &scores, runs);
         self.covariance = SMatrix::from_fn(|i, k| errors.covariance[(i, k)]);
         self.standard_errors = std::array::from_fn(|i| self.standard_errors[i].map(|_| errors.standard[i]));
@@ -113,9 +107,6 @@ impl StribeckFit {
     /// Returns derivatives and residual at the samples.
     pub(crate) fn sensitivities(&self, samples: &Observed) -> Sensitivities {
         let mut derivatives = samples.columns(&self.parameters).to_vec();
-        if !self.offsets.is_empty() {
-            derivatives.iter_mut().for_each(|column| centre(column, samples.runs));
-        }
         let residual = derivatives.pop().unwrap_or_default();
         Sensitivities { derivatives, residual }
     }
@@ -134,7 +125,7 @@ impl StribeckFit {
     /// Returns the least-squares coefficients `(JᵀJ)⁻¹ Jᵀ F` of other columns F on the derivatives J of the
     /// law, with zeros for parameters that are not identifiable.
     pub(crate) fn map(&self, at: &Sensitivities, others: &[Vec<f64>]) -> DMatrix<f64> {
-        let (inverse, ..) = inverse(&self.information);
+        let (inverse, _) = inverse(&self.information);
         DMatrix::from_fn(5, 5, |i, k| inverse[(i, k)]) * at.products(others, |_| true)
     }
 }
@@ -158,7 +149,7 @@ impl Sensitivities {
     }
 }
 
-fn warnings(fit: &StribeckFit, data: &Data) -> Vec<Finding> {
+fn warnings(fit: &StribeckFit, samples: &Observed) -> Vec<Finding> {
     let mut warnings = Vec::new();
     let mut warn = |message: String, name: &'static str, value: f64| {
         warnings.push(PARAMETERS.found(message).with(name, value, ""));
@@ -195,8 +186,7 @@ fn warnings(fit: &StribeckFit, data: &Data) -> Vec<Finding> {
             }
         }
     }
-    let (slow, speed) =
-        (data.samples.v.iter().filter(|v| v.abs() < 1.0 / a[2]).count(), plain(1.0 / a[2], 4));
+    let (slow, speed) = (samples.v.iter().filter(|v| v.abs() < 1.0 / a[2]).count(), plain(1.0 / a[2], 4));
     if slow < 10 {
         let message = format!(
             "the data do not determine a3. Only {} slower than 1/a3 = {speed}, the width of the step at zero velocity",

@@ -56,8 +56,6 @@ pub(super) fn stribeck_block(v: &[f64], torque: &[f64], a: &[f64; 5], columns: &
 pub struct StribeckRegression {
     /// Number of starts that are refined on a part of the samples. They are the starts with the smallest costs.
     pub starts: usize,
-    /// Whether each run has a constant torque in addition to the law.
-    pub offset: bool,
     /// Largest number of passes over all samples, for each set of weights.
     pub max_iterations: usize,
     /// Relative decrease of the cost in one step at which the refinement ends.
@@ -66,7 +64,7 @@ pub struct StribeckRegression {
 
 impl Default for StribeckRegression {
     fn default() -> Self {
-        Self { starts: 8, offset: true, max_iterations: 100, tolerance: 1e-13 }
+        Self { starts: 8, max_iterations: 100, tolerance: 1e-13 }
     }
 }
 
@@ -76,8 +74,6 @@ pub struct StribeckFit {
     /// Parameters of the law `a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)` with the velocity v. For a
     /// revolute joint their units are N·m·s/rad, N·m, s/rad, N·m, s/rad.
     pub parameters: [f64; 5],
-    /// Constant torque of each run in addition to the law, in N·m or N; empty if the regression has no offsets.
-    pub offsets: Vec<f64>,
     /// Covariance of the parameters. It holds for independent errors, or for correlated errors after
     /// `with_correlated_errors`. Rows and columns of parameters that are not identifiable are zero, see
     /// [`Self::standard_errors`].
@@ -92,9 +88,6 @@ pub struct StribeckFit {
     /// Degrees of freedom of the residual variance. After `with_correlated_errors`, degrees of freedom of the standard
     /// errors.
     pub freedom: usize,
-    /// Condition number of the matrix of the derivatives of the torques with respect to the parameters, with columns scaled to
-    /// unit length.
-    pub condition: f64,
     /// Number of passes over all samples.
     pub iterations: usize,
     /// Whether the iteration reached its tolerance. If it did not, [`Self::warnings`] contains a warning.
@@ -102,12 +95,12 @@ pub struct StribeckFit {
     /// Warnings about the parameters, with numbers.
     pub warnings: Vec<Finding>,
     /// Matrix JᵀWJ at the result. J are the derivatives of the torques with respect to the parameters,
-    /// without the part that offsets explain, and W are the weights of the samples.
+    /// and W are the weights of the samples.
     pub(super) information: SMatrix<f64, 5, 5>,
 }
 
 impl StribeckFit {
-    /// Returns the friction torque of the law at velocity `v`, without an offset.
+    /// Returns the friction torque of the law at velocity `v`.
     pub(crate) fn torque(&self, v: f64) -> f64 {
         stribeck_torque(v, &self.parameters)
     }

@@ -1,11 +1,9 @@
 //! Regression of the five-parameter Stribeck law `τ = a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)` with the
-//! velocity v. Each run also has a constant offset of the torque.
+//! velocity v.
 //!
-//! Starts of the iteration are found on at most 4000 samples. For given (a3, a5), the other parameters and the offsets
-//! follow from linear least squares. The best starts are refined on all samples by the Levenberg–Marquardt method, with one
-//! pass over the samples per iteration. The offsets are eliminated from the normal equations (Golub, Pereyra 1973).
-//! Therefore they cost no iterations, and the law stays odd. If the torques were filtered, the law and its derivatives pass
-//! the same filter.
+//! Starts of the iteration are found on at most 4000 samples. For given (a3, a5), the other parameters follow from
+//! linear least squares. The best starts are refined on all samples by the Levenberg–Marquardt method, with one pass over the
+//! samples per iteration. If the torques were filtered, the law and its derivatives pass the same filter.
 
 mod errors;
 mod law;
@@ -21,8 +19,8 @@ pub(crate) use words::StribeckWords;
 
 use super::super::error::{Result, require_changing, require_finite, require_length, require_samples};
 use errors::summarize;
+use refine::NEAR;
 pub(crate) use refine::Observed;
-use refine::{Data, NEAR};
 use starts::search;
 
 impl StribeckRegression {
@@ -49,23 +47,18 @@ impl StribeckRegression {
         })
     }
 
-    /// Fits one law to several runs. Each run has a separate offset. Parameters that diverge give a warning.
+    /// Fits one law to several runs. Parameters that diverge give a warning.
     ///
     /// # Errors
-    /// The errors are those of [`Self::fit`], and `Shape` if the runs do not cover the samples.
+    /// The errors are those of [`Self::fit`].
     pub(crate) fn fit_runs(&self, samples: &Observed) -> Result<StribeckFit> {
         Self::check(samples.v, samples.torque)?;
-        let covered = samples.runs.iter().try_fold(0, |end, run| (run.start == end).then_some(run.end));
-        require_length("samples in the runs", samples.v.len(), covered.unwrap_or(0))?;
-        let data = Data { samples: *samples, offset: self.offset };
-        Ok(summarize(&data, &search(&data, self)?))
+        Ok(summarize(samples, &search(samples, self)?))
     }
 
     /// Fits the law to samples with other weights, from a known law as the start. Returns the parameters a1 … a5.
     pub(crate) fn refit(&self, known: &StribeckFit, samples: &Observed) -> [f64; 5] {
-        let data = Data { samples: *samples, offset: self.offset };
-        let offsets = if self.offset { known.offsets.clone() } else { vec![0.0; samples.runs.len()] };
-        data.refine(known.parameters, offsets, self, NEAR).a
+        samples.refine(known.parameters, self, NEAR).a
     }
 
     fn check(v: &[f64], torque: &[f64]) -> Result<()> {

@@ -2,7 +2,7 @@
 
 use super::super::filtered::Filtered;
 use super::law::{StribeckRegression, stribeck_block};
-use crate::numeric::kernel::{BLOCK, add_products, dot};
+use crate::numeric::kernel::{BLOCK, add_products};
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
 
@@ -91,81 +91,42 @@ fn evaluated(v: &[f64], torque: &[f64], a: &[f64; 5]) -> Columns {
     all
 }
 
-/// Samples and settings of a regression.
-pub(super) struct Data<'a> {
-    pub(super) samples: Observed<'a>,
-    /// Whether each run has a constant in addition to the law.
-    pub(super) offset: bool,
-}
-
-/// Cost Σ w r², JᵀW J and JᵀW r at one point, after the elimination of the offsets. Here J are the derivatives of the law,
-/// w the weights and r the residuals.
-#[derive(Clone)]
+/// Cost Σ w r², JᵀW J and JᵀW r at one point. Here J are the derivatives of the law, w the weights and r the residuals.
+#[derive(Clone, Copy)]
 pub(super) struct Normal {
     pub(super) a: [f64; 5],
     pub(super) cost: f64,
     pub(super) h: SMatrix<f64, 5, 5>,
     pub(super) g: SVector<f64, 5>,
-    /// Best offset of each run for the parameters of this point.
-    pub(super) offsets: Vec<f64>,
-    /// Mean of the derivatives in each run. A step of the parameters changes the offset by minus the product of the step
-    /// and this mean.
-    pub(super) levels: Vec<SVector<f64, 5>>,
     pub(super) iterations: usize,
     pub(super) converged: bool,
 }
 
-impl Data<'_> {
+impl Observed<'_> {
     /// Computes the normal equations in one pass over the samples.
-    ///
-    /// - `offsets`: offsets near the best ones, so that their elimination does not cancel digits
-    pub(super) fn normal(&self, a: [f64; 5], offsets: &[f64]) -> Normal {
-        let mut state = Normal {
-            a,
-            cost: 0.0,
-            h: SMatrix::zeros(),
-            g: SVector::zeros(),
-            offsets: offsets.to_vec(),
-            levels: vec![SVector::zeros(); offsets.len()],
-            iterations: 1,
-            converged: false,
-        };
-        let passed = self.samples.passed(&a);
-        for (k, run) in self.samples.runs.iter().enumerate() {
-            let (sums, constant, total) = self.products(run, &a, passed.as_ref(), offsets[k]);
-            // Without weights or offsets, nothing is eliminated.
-            let share = if self.offset && total > 0.0 { 1.0 / total } else { 0.0 };
-            let product =
-                |i: usize, j: usize| sums[i.max(j) * WIDTH + i.min(j)] - constant[i] * constant[j] * share;
-            state.h += SMatrix::<f64, 5, 5>::from_fn(product);
-            state.g += SVector::<f64, 5>::from_fn(|i, _| product(5, i));
-            state.cost += product(5, 5).max(0.0);
-            state.offsets[k] += constant[5] * share;
-            state.levels[k] = SVector::from_fn(|i, _| constant[i] * share);
+    pub(super) fn normal(&self, a: [f64; 5]) -> Normal {
+        let (mut cost, mut h, mut g) = (0.0, SMatrix::zeros(), SVector::zeros());
+        let passed = self.passed(&a);
+        for run in self.runs {
+            let sums = self.products(run, &a, passed.as_ref());
+            let product = |i: usize, j: usize| sums[i.max(j) * WIDTH + i.min(j)];
+            h += SMatrix::<f64, 5, 5>::from_fn(product);
+            g += SVector::<f64, 5>::from_fn(|i, _| product(5, i));
+            cost += product(5, 5);
         }
-        state
+        Normal { a, cost, h, g, iterations: 1, converged: false }
     }
 
-    /// Returns the products of the columns over one run, the products of the columns with a constant, and the sum of the
-    /// weights.
-    fn products(
-        &self,
-        run: &Range<usize>,
-        a: &[f64; 5],
-        passed: Option<&Columns>,
-        offset: f64,
-    ) -> ([f64; WIDTH * WIDTH], [f64; WIDTH], f64) {
-        let (mut sums, mut constants, mut total) = ([0.0; WIDTH * WIDTH], [0.0; WIDTH], 0.0);
+    /// Returns the products of the columns over one run.
+    fn products(&self, run: &Range<usize>, a: &[f64; 5], passed: Option<&Columns>) -> [f64; WIDTH * WIDTH] {
+        let mut sums = [0.0; WIDTH * WIDTH];
         let mut columns = [[0.0; BLOCK]; WIDTH];
         let mut roots = [1.0; BLOCK];
         for start in run.clone().step_by(BLOCK) {
             let rows = start..run.end.min(start + BLOCK);
             let n = rows.len();
-            self.samples.block(rows.clone(), a, passed, &mut columns);
-            if offset != 0.0 {
-                columns[5].iter_mut().for_each(|r| *r -= offset);
-            }
-            if let Some(weights) = self.samples.weights {
+            self.block(rows.clone(), a, passed, &mut columns);
+            if let Some(weights) = self.weights {
                 roots.iter_mut().zip(&weights[rows]).for_each(|(root, w)| *root = w.sqrt());
                 for column in &mut columns {
                     column.iter_mut().zip(&roots).for_each(|(c, root)| *c *= root);
@@ -173,13 +134,8 @@ impl Data<'_> {
             }
             let [c1, c2, c3, c4, c5, r] = &columns;
             add_products(&[&c1[..n], &c2[..n], &c3[..n], &c4[..n], &c5[..n], &r[..n]], &mut sums);
-            if self.offset {
-                total += dot(&roots[..n], &roots[..n]);
-                let products = columns.iter().map(|column| dot(&column[..n], &roots[..n]));
-                constants.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
-            }
         }
-        (sums, constants, total)
+        sums
     }
 
     /// Refines the parameters by the Levenberg–Marquardt method on the 5 × 5 normal equations. The damping is relative to
@@ -189,13 +145,12 @@ impl Data<'_> {
     pub(super) fn refine(
         &self,
         start: [f64; 5],
-        offsets: Vec<f64>,
         settings: &StribeckRegression,
         first_damping: f64,
     ) -> Normal {
-        let mut best = self.normal(start, &offsets);
+        let mut best = self.normal(start);
         // Cost that rounding errors of the residuals leave if the law fits exactly.
-        let floor = 1e-28 * self.samples.energy();
+        let floor = 1e-28 * self.energy();
         let mut damping = first_damping;
         let mut passes = 1;
         while passes < settings.max_iterations {
@@ -213,7 +168,7 @@ impl Data<'_> {
             if damping > 1e12 {
                 break;
             }
-            let trial = (a[2] > 0.0 && a[4] > 0.0).then(|| self.normal(a, &ahead(&best, &step)));
+            let trial = (a[2] > 0.0 && a[4] > 0.0).then(|| self.normal(a));
             passes += 1;
             match trial {
                 Some(trial) if trial.cost <= best.cost => {
@@ -225,11 +180,6 @@ impl Data<'_> {
         }
         Normal { iterations: passes, ..best }
     }
-}
-
-/// Returns the offsets of the runs after a step of the parameters, to first order in the step.
-fn ahead(state: &Normal, step: &SVector<f64, 5>) -> Vec<f64> {
-    state.offsets.iter().zip(&state.levels).map(|(offset, level)| offset - level.dot(step)).collect()
 }
 
 fn damped_step(normal: &Normal, damping: f64) -> Option<SVector<f64, 5>> {

@@ -3,7 +3,7 @@
 
 use super::super::filtered::{Filtered, FilteredRun};
 use super::law::{StribeckRegression, slower, stribeck_torque};
-use super::refine::{Data, NEAR, Normal, Observed};
+use super::refine::{NEAR, Normal, Observed};
 use crate::error::{IdentificationError, Result};
 use nalgebra::{SMatrix, SVector};
 use std::ops::Range;
@@ -75,19 +75,19 @@ fn every<'a>(filtered: &Filtered<'a>, stride: usize) -> Filtered<'a> {
 ///
 /// # Errors
 /// [`IdentificationError::NotConverged`] if no grid point has a finite cost.
-pub(super) fn search(data: &Data, settings: &StribeckRegression) -> Result<Normal> {
-    let thinned = Thinned::new(&data.samples);
-    let part = Data { samples: thinned.observed(), offset: data.offset };
+pub(super) fn search(samples: &Observed, settings: &StribeckRegression) -> Result<Normal> {
+    let thinned = Thinned::new(samples);
+    let part = thinned.observed();
     let fastest = thinned.v.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
     let coarse = StribeckRegression { max_iterations: 60, tolerance: 1e-7, ..settings.clone() };
     let refine = |start: Normal| -> Normal {
-        let found = part.refine(start.a, start.offsets.clone(), &coarse, FAR);
+        let found = part.refine(start.a, &coarse, FAR);
         let is_better = found.cost <= start.cost && found.a.iter().all(|a| a.is_finite());
         if is_better { found } else { start }
     };
     let points = hollows(&grid(&part, fastest), settings.starts.max(1));
     let refined = alike(points.into_iter().map(refine).collect());
-    let on_all = |start: Normal| data.refine(start.a, start.offsets, settings, NEAR);
+    let on_all = |start: Normal| samples.refine(start.a, settings, NEAR);
     let found = alike(refined.into_iter().map(on_all).collect());
     let drives = |law: &Normal| !dissipates(&law.a, fastest);
     let best = found.into_iter().min_by(|a, b| drives(a).cmp(&drives(b)).then(a.cost.total_cmp(&b.cost)));
@@ -115,34 +115,30 @@ fn dissipates(a: &[f64; 5], fastest: f64) -> bool {
     slower(fastest).all(|v| stribeck_torque(v, a) >= 0.0)
 }
 
-fn grid(data: &Data, fastest: f64) -> Vec<Vec<Option<Normal>>> {
+fn grid(samples: &Observed, fastest: f64) -> Vec<Vec<Option<Normal>>> {
     let share = |i: usize, count: usize| i as f64 / (count - 1) as f64;
     // In units of 1 / (fastest velocity): a3 from 2 to 400, a5 from 1 to 100.
     let row = |i: usize| {
         let a3 = 2.0 * 200f64.powf(share(i, STEEPNESSES)) / fastest;
-        let point = |j: usize| linear_part(data, a3, 100f64.powf(share(j, DECAYS)) / fastest);
+        let point = |j: usize| linear_part(samples, a3, 100f64.powf(share(j, DECAYS)) / fastest);
         (0..DECAYS).map(point).collect()
     };
     (0..STEEPNESSES).map(row).collect()
 }
 
-/// Solves least squares for the linear parameters (a1, a2, a4) of the Stribeck law and the offsets, at given
+/// Solves least squares for the linear parameters (a1, a2, a4) of the Stribeck law, at given
 /// nonlinear parameters (a3, a5); `None` if the cost is not finite. A slight damping makes few samples
 /// sufficient.
-fn linear_part(data: &Data, a3: f64, a5: f64) -> Option<Normal> {
+fn linear_part(samples: &Observed, a3: f64, a5: f64) -> Option<Normal> {
     const LINEAR: [usize; 3] = [0, 1, 3];
     // If a1, a2 and a4 are zero, the residual is the torque.
-    let zero = data.normal([0.0, 0.0, a3, 0.0, a5], &vec![0.0; data.samples.runs.len()]);
+    let zero = samples.normal([0.0, 0.0, a3, 0.0, a5]);
     let damping = |i: usize, j: usize| if i == j { 1.0 + 1e-9 } else { 1.0 };
     let h = SMatrix::<f64, 3, 3>::from_fn(|i, j| zero.h[(LINEAR[i], LINEAR[j])] * damping(i, j));
     let g = SVector::<f64, 3>::from_fn(|i, _| zero.g[LINEAR[i]]);
     let x = h.cholesky()?.solve(&g);
     let cost = zero.cost - g.dot(&x);
-    let offset = |(offset, level): (&f64, &SVector<f64, 5>)| {
-        offset - LINEAR.iter().zip(x.iter()).map(|(i, x)| level[*i] * x).sum::<f64>()
-    };
-    let offsets = zero.offsets.iter().zip(&zero.levels).map(offset).collect();
-    cost.is_finite().then_some(Normal { a: [x[0], x[1], a3, x[2], a5], offsets, cost, ..zero })
+    cost.is_finite().then_some(Normal { a: [x[0], x[1], a3, x[2], a5], cost, ..zero })
 }
 
 /// Returns `count` grid points. The local minima of the cost are first, then the other points follow. Each group is in the
@@ -159,5 +155,5 @@ fn hollows(grid: &[Vec<Option<Normal>>], count: usize) -> Vec<Normal> {
         }
     }
     points.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.cost.total_cmp(&b.1.cost)));
-    points.into_iter().take(count).map(|(_, start)| start.clone()).collect()
+    points.into_iter().take(count).map(|(_, start)| *start).collect()
 }

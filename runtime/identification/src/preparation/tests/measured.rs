@@ -100,18 +100,12 @@ fn print(report: &PreparationReport) {
     println!("{:.3} Hz at {:.1} samples/s", report.filter.bandwidth(), report.sample_rate);
     for j in &report.joints {
         println!(
-            "{}: σ {:.2e} resolution {:.1e} hold {:.2} noise of ÿ {:.4} {:?}",
-            j.name, j.noise, j.resolution, j.hold, j.acceleration_noise, j.fault
+            "{}: σ {:.2e} resolution {:.1e} noise of ÿ {:.4} {:?}",
+            j.name, j.noise, j.resolution, j.acceleration_noise, j.fault
         );
     }
     for d in &report.delays {
-        println!(
-            "delay {:.2} ms ({:.2} ± {:.2}) {}",
-            1e3 * d.removed,
-            1e3 * d.estimated,
-            1e3 * d.error,
-            d.own
-        );
+        println!("delay {:.2} ± {:.2} ms {}", 1e3 * d.removed, 1e3 * d.error, d.own);
     }
     println!("{:?}", report.findings);
 }
