@@ -9,7 +9,7 @@ use crate::support::robot::{
 };
 use gelenk_runtime::adaptation::{AdaptationSettings, Adaptive, TorqueSource};
 use gelenk_runtime::control_loop::{
-    Command, ControlLoop, Controller, ControllerFault, Cycle, FeedForwardPd, JointGains, JointPd,
+    Command, ControlLoop, Controller, ControllerFault, Cycle, End, FeedForwardPd, JointGains, JointPd,
 };
 use gelenk_runtime::dynamics::Dynamics;
 use gelenk_runtime::plant::PlantOptions;
@@ -73,14 +73,16 @@ impl<C: Controller<2, 2>> Controller<2, 2> for Judged<C> {
     fn step(&mut self, cycle: &Cycle<2, 2>) -> Result<Command<2>, ControllerFault> {
         let (desired, positions) =
             (self.motion.sample(cycle.time).positions, *self.positions.lock().unwrap());
-        (0..2).for_each(|i| self.sums[i] += (positions[i] - desired[i]).powi(2));
-        self.sums[2] += 1.0;
+        if cycle.time < self.motion.duration() {
+            (0..2).for_each(|i| self.sums[i] += (positions[i] - desired[i]).powi(2));
+            self.sums[2] += 1.0;
+        }
         self.controller.step(cycle)
     }
 }
 
-/// Root mean squares of the tracking errors [rad], number of periods, and extremes of the motion.
-fn run<C: Controller<2, 2>>(seed: u64, make: impl FnOnce(Repeated) -> C) -> ([f64; 3], Seen) {
+/// Root mean squares of the tracking errors [rad], whether the motion was finished, and extremes of the motion.
+fn run<C: Controller<2, 2>>(seed: u64, make: impl FnOnce(Repeated) -> C) -> ([f64; 2], bool, Seen) {
     let kind = seed % FAULTS.len() as u64;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let rest = if kind == 3 { 600.0 } else { 0.0 };
@@ -112,10 +114,10 @@ fn run<C: Controller<2, 2>>(seed: u64, make: impl FnOnce(Repeated) -> C) -> ([f6
     let judged = Judged { controller: make(motion), motion, positions, sums: [0.0; 3] };
     let clock = robot.clock.clone();
     let mut control = ControlLoop::new(settings(RATE), law, motion, judged, &mut robot, clock).unwrap();
-    control.run();
+    let is_finished = control.run().end == End::Finished;
     let [first, second, count] = control.controller().sums;
     drop(control);
-    ([(first / count).sqrt(), (second / count).sqrt(), count], robot.seen)
+    ([first, second].map(|sum| (sum / count).sqrt()), is_finished, robot.seen)
 }
 
 fn pd<D: Dynamics<2, 2>>(model: D, motion: Repeated) -> FeedForwardPd<D, Repeated, 2, 2> {
@@ -126,18 +128,18 @@ fn pd<D: Dynamics<2, 2>>(model: D, motion: Repeated) -> FeedForwardPd<D, Repeate
 /// `GELENK_LOOP_FAULTS=1000` runs a thousand seeds.
 #[test]
 fn faults_break_no_limit_and_do_not_make_the_loop_worse() {
-    let count = std::env::var("GELENK_LOOP_FAULTS").ok().and_then(|count| count.parse().ok()).unwrap_or(24);
+    let count = std::env::var("GELENK_LOOP_FAULTS").ok().and_then(|count| count.parse().ok()).unwrap_or(6);
     for (kind, name) in FAULTS.iter().enumerate() {
         let mut ratios = Vec::new();
         for seed in (kind as u64..count).step_by(FAULTS.len()) {
-            let (fixed, _) = run(seed, |motion| pd(described(), motion));
-            let (learning, seen) = run(seed, |motion| {
+            let (fixed, is_finished, _) = run(seed, |motion| pd(described(), motion));
+            let (learning, is_also_finished, seen) = run(seed, |motion| {
                 let make = |model| Ok::<_, std::convert::Infallible>(pd(model, motion));
                 let made = Adaptive::new(described(), AdaptationSettings::new(1.0 / RATE), make);
                 made.unwrap().unwrap().with_torques(TorqueSource::Measured)
             });
             seen.assert_within_limits();
-            assert_eq!(learning[2], fixed[2], "{name}, seed {seed}: other number of periods");
+            assert!(is_also_finished || !is_finished, "{name}, seed {seed}");
             ratios.extend((0..2).map(|i| learning[i] / fixed[i]));
         }
         let worst = ratios.iter().fold(0.0_f64, |a, b| a.max(*b));
