@@ -24,6 +24,7 @@ mod learning {
     use crate::support::robot::{Watched, loop_with, settings};
     use gelenk_runtime::control_loop::End;
 
+    mod loop_faults;
     mod loop_measured;
     mod loop_mpc;
     mod loop_survival;

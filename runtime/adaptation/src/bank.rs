@@ -9,7 +9,9 @@ use libm::log;
 /// would otherwise have an effect for longer than the memory.
 const FIRST_WEIGHT: f64 = 1.0;
 /// Number of rates of drift.
-pub(super) const RATES: usize = 3;
+pub(super) const RATES: usize = 4;
+/// Correlation time of the rates of change, relative to the time T of the drift.
+const PERSISTENCE: f64 = 1.0 / 4000.0;
 
 /// Mean and covariance of the coefficients δ of the terms.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,19 +29,21 @@ impl<const K: usize> Gaussian<K> {
 
     /// Adds drift to the coefficients δ of the terms: `δ ← δ + N(0, share · V)` with the variances V of the
     /// prior. A variance that would exceed that of the prior is reduced by scaling its row and column, so the
-    /// covariance remains positive semidefinite.
-    pub(super) fn widen(&mut self, share: f64, prior: &[f64; K]) {
+    /// covariance remains positive semidefinite. Returns the factors of the rows and columns.
+    pub(super) fn widen(&mut self, share: f64, prior: &[f64; K]) -> [f64; K] {
+        let mut factors = [1.0; K];
         for i in 0..K {
             let wider = self.covariance[i][i] + share * prior[i];
             self.covariance[i][i] = wider;
             if wider > prior[i] {
-                let factor = root(prior[i] / wider);
+                factors[i] = root(prior[i] / wider);
                 for j in 0..K {
-                    self.covariance[i][j] *= factor;
-                    self.covariance[j][i] *= factor;
+                    self.covariance[i][j] *= factors[i];
+                    self.covariance[j][i] *= factors[i];
                 }
             }
         }
+        factors
     }
 
     /// Variance of the torque `φᵀ δ` for the values φ of the terms and their coefficients δ.
@@ -76,7 +80,12 @@ pub(super) struct Sample {
 /// Kalman filter for one rate of drift.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Track {
+    /// The coefficients δ.
     pub state: Gaussian,
+    /// The rates of change ρ of the coefficients δ [1/s].
+    pub change: Gaussian,
+    /// Covariance of the coefficients δ (rows) and their rates of change ρ (columns).
+    pub cross: [[f64; TERMS]; TERMS],
     /// Logarithm of the weight, relative to the filter with the largest weight.
     pub weight: f64,
     pub correlation: Correlation,
@@ -84,12 +93,85 @@ pub(super) struct Track {
     pub correlated: f64,
 }
 
+impl Track {
+    fn new(prior: &[f64; TERMS]) -> Self {
+        Self {
+            state: Gaussian::prior(prior),
+            change: Gaussian::prior(&[0.0; TERMS]),
+            cross: [[0.0; TERMS]; TERMS],
+            weight: 0.0,
+            correlation: Correlation::NEW,
+            correlated: 1.0,
+        }
+    }
+
+    /// Advances coefficients and rates of change by `dt` (s). Without a sample, the mean of the coefficients is constant.
+    ///
+    /// - `time`: time T of the drift (s)
+    fn advance(&mut self, dt: f64, time: f64, prior: &[f64; TERMS], is_sampled: bool) {
+        // Exact integration of the rates of change over `dt`.
+        let persistence = PERSISTENCE * time;
+        let keep = exp(-dt / persistence);
+        let (lost, moved) = (1.0 - keep, persistence * (1.0 - keep));
+        let (change, cross) = (&mut self.change, self.cross);
+        for i in 0..TERMS {
+            if is_sampled {
+                self.state.mean[i] += moved * change.mean[i];
+            }
+            change.mean[i] *= keep;
+            for j in 0..TERMS {
+                let of_change = moved * change.covariance[i][j];
+                self.state.covariance[i][j] += moved * (cross[i][j] + cross[j][i] + of_change);
+                self.cross[i][j] = keep * (cross[i][j] + of_change);
+                change.covariance[i][j] *= keep * keep;
+            }
+            self.cross[i][i] += 0.5 * lost * lost / time * prior[i];
+            change.covariance[i][i] += 0.5 * lost * (1.0 + keep) / (time * persistence) * prior[i];
+        }
+        let added = (dt - 0.5 * moved * (3.0 - keep)) / time;
+        self.widen(added.max(0.0), prior);
+    }
+
+    fn widen(&mut self, share: f64, prior: &[f64; TERMS]) {
+        let factors = self.state.widen(share, prior);
+        for (row, factor) in self.cross.iter_mut().zip(factors) {
+            row.iter_mut().for_each(|entry| *entry *= factor);
+        }
+    }
+
+    /// Updates the filter with a sample, as [`Gaussian::update`].
+    fn update(&mut self, phi: &[f64; TERMS], error: f64, noise: f64) {
+        let direction = product(&self.state.covariance, phi);
+        let total = dot(&direction, phi).max(0.0) + noise;
+        let of_change: [f64; TERMS] =
+            core::array::from_fn(|j| self.cross.iter().zip(phi).map(|(row, phi)| row[j] * phi).sum());
+        let gains = of_change.map(|covariance| covariance / total);
+        for i in 0..TERMS {
+            self.change.mean[i] += gains[i] * error;
+            for j in 0..TERMS {
+                self.cross[j][i] -= direction[j] * gains[i];
+                self.change.covariance[i][j] -= of_change[i] * gains[j];
+            }
+        }
+        self.state.update(phi, error, noise);
+    }
+}
+
 /// Kalman filters for several rates of drift, with a common noise variance.
 ///
-/// The terms are a random walk, δ(t + dt) = δ(t) + N(0, V dt/T), with the variances V of the prior. T is the time in which a
-/// change as large as the prior is expected. T is unknown. Therefore one filter runs for each of several values of T, and the
-/// weight w_l of filter l follows from its predictions (dynamic model averaging, Raftery, Kárný, Ettler, *Technometrics* 52,
-/// 2010):
+/// The coefficients δ are a random walk with correlated steps: their rates of change ρ are correlated over a time κ that is short
+/// compared with the time T of the drift (integrated Ornstein–Uhlenbeck process, Uhlenbeck, Ornstein, *Phys. Rev.* 36, 1930):
+///
+/// ```text
+///     dδ/dt = ρ        κ dρ/dt = −ρ + white noise        cov ρ = V/(2 T κ)        κ = T/4000
+/// ```
+///
+/// V are the variances of the prior. Over times longer than κ, the variance of δ increases by V dt/T, as that of a random walk.
+/// Gears warm up gradually. A random walk without correlation lags behind such a drift, and its covariance does not include the lag.
+///
+/// T is the time in which a change as large as the prior is expected. T is unknown. Therefore one filter runs for each of several
+/// values of T, and the weight w_l of filter l follows from its predictions (dynamic model averaging, Raftery, Kárný, Ettler,
+/// *Technometrics* 52, 2010):
 ///
 /// ```text
 ///     w_l ∝ w_l^α p_l(r)^(1/c)        p_l(r) = N(r; φᵀ δ_l, S_l)        S_l = φᵀ P_l φ + σ²
@@ -120,25 +202,30 @@ impl Bank {
     ///
     /// - `noise`: initial noise variance
     pub(super) fn new(prior: &[f64; TERMS], noise: f64) -> Self {
-        let (state, correlation) = (Gaussian::prior(prior), Correlation::NEW);
-        let track = Track { state, weight: 0.0, correlation, correlated: 1.0 };
-        Self { tracks: [track; RATES], noise, taken: FIRST_WEIGHT }
+        Self { tracks: [Track::new(prior); RATES], noise, taken: FIRST_WEIGHT }
     }
 
     /// Advances all filters by `dt` (s). Returns the ratio of the added variance to the prior, averaged over the filters.
     ///
     /// - `times`: time T of each filter (s)
-    pub(super) fn drift(&mut self, dt: f64, times: &[f64; RATES], prior: &[f64; TERMS]) -> f64 {
+    /// - `is_sampled`: whether a sample follows. Otherwise the means are constant.
+    pub(super) fn drift(
+        &mut self,
+        dt: f64,
+        times: &[f64; RATES],
+        prior: &[f64; TERMS],
+        is_sampled: bool,
+    ) -> f64 {
         let weights = self.weights();
         for (track, time) in self.tracks.iter_mut().zip(times) {
-            track.state.widen(dt / time, prior);
+            track.advance(dt, *time, prior, is_sampled);
         }
         weights.iter().zip(times).map(|(weight, time)| weight * dt / time).sum()
     }
 
     /// Adds `share` times the variances of the prior to all filters.
     pub(super) fn widen(&mut self, share: f64, prior: &[f64; TERMS]) {
-        self.tracks.iter_mut().for_each(|track| track.state.widen(share, prior));
+        self.tracks.iter_mut().for_each(|track| track.widen(share, prior));
     }
 
     /// Marks a pause, so that the next sample does not count as consecutive to the previous sample.
@@ -162,7 +249,7 @@ impl Bank {
             let ratio = error * error / variance;
             ratios += weight * ratio;
             track.weight = forgetting * track.weight - 0.5 * (log(variance) + ratio) / correlated;
-            track.state.update(&sample.phi, error, self.noise * track.correlated);
+            track.update(&sample.phi, error, self.noise * track.correlated);
             let residual = sample.torque - dot(&sample.phi, &track.state.mean);
             track.correlated = track.correlation.take(residual, sample.share, sample.forwards, forgetting);
         }

@@ -229,7 +229,7 @@ impl Joint {
             return;
         }
         self.waiting = derived.stride;
-        let drift = self.bank.drift(derived.interval, &settings.drift_times, &derived.prior);
+        let drift = self.bank.drift(derived.interval, &settings.drift_times, &derived.prior, is_settled);
         if !is_settled {
             // Without a sample the weights of the nested laws must not change. A new average of the wider covariance would change
             // them, so only the covariance of the average is widened.

@@ -23,8 +23,9 @@
 //!    - samples soon after a rest, a reversal, a gap, or a torque that is at a limit or repeats bit for bit, until the filter
 //!      has settled
 //!    - samples beyond four standard deviations of their prediction, for example in contact
-//! 3. **Estimation.** Kalman filters for three rates of drift are weighted by their predictions (Raftery, Kárný, Ettler, 2010).
-//!    The filters take into account that consecutive samples are correlated (Kish, 1965).
+//! 3. **Estimation.** Kalman filters for four rates of drift are weighted by their predictions (Raftery, Kárný, Ettler, 2010).
+//!    The filters take into account that consecutive samples are correlated (Kish, 1965), and that friction drifts gradually
+//!    (integrated Ornstein–Uhlenbeck process, 1930).
 //! 4. **Average of nested laws.** The laws with the first 0, 1, … 5 terms are averaged, weighted by their marginal likelihoods
 //!    (Dickey, 1971).
 //! 5. **Trust.** Terms beyond their bounds are set to the bounds, and the correlated terms change with them (Simon, Chia,
@@ -45,7 +46,7 @@
 //! - A constant contact that lasts longer than [`AdaptationSettings::patience`] is learned as an offset.
 //! - Confidence intervals do not include errors of inertia and gravity of the description.
 //! - `runtime/examples/warming.rs` simulates 3000 runs with a fault (a stuck or swapped sensor, rests, gaps, saturation). In
-//!   two runs, the error of the acting law was 1.05 to 1.20 times the error of the described law. In both runs, the torque
+//!   two runs, the error of the acting law was 1.05 to 1.22 times the error of the described law. In both runs, the torque
 //!   sensor saturates.
 
 #![no_std]

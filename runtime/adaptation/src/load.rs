@@ -34,7 +34,7 @@ pub struct LoadState<const P: usize> {
 /// *Int. J. Robotics Research* 5, 1986). Columns and friction terms pass the same filter, and samples are taken at the same
 /// times. One Kalman filter for all joints predicts the torque that the acting friction τ_acting does not explain. The noise
 /// variance of a sample is the variance of the joint's noise plus the variance of its learned friction. θ drifts as a random
-/// walk with the fastest of [`AdaptationSettings::drift_times`](super::AdaptationSettings::drift_times).
+/// walk with the third of [`AdaptationSettings::drift_times`](super::AdaptationSettings::drift_times).
 ///
 /// A sample whose prediction error exceeds four standard deviations, for example in contact, is not used. Each of these samples
 /// increases the covariance by a share of the prior's covariance: the time between samples, divided by

@@ -1,5 +1,6 @@
 //! Saves and restores the learned state as an array of numbers.
 
+use super::bank::Gaussian;
 use super::correlation::CELLS;
 use super::estimator::{Adaptation, hash};
 use super::joint::Joint;
@@ -12,8 +13,9 @@ const ORIGIN: usize = 6;
 /// Names of the parts of the origin, in this order.
 const PARTS: [&str; ORIGIN] =
     ["description", "description", "number of joints", "period", "time constant", "delay"];
-/// Number of values of a filter: mean, covariance, cells, and four values of weight and correlation.
-const TRACK: usize = TERMS + TERMS * TERMS + 2 * CELLS + 4;
+/// Number of values of a filter: means and covariances of coefficients and their rates of change, cells, and four values of weight
+/// and correlation.
+const TRACK: usize = 2 * TERMS + 3 * TERMS * TERMS + 2 * CELLS + 4;
 /// Number of values of a joint: filters, noise with its weight, mean and covariance of the law, comparison.
 const JOINT: usize = super::bank::RATES * TRACK + 2 + TERMS + TERMS * TERMS + 8;
 
@@ -121,11 +123,19 @@ fn each(joint: &mut Joint) -> impl Iterator<Item = &mut f64> {
         let sums = correlation.counts.iter_mut().chain(&mut correlation.sums);
         let last =
             [&mut track.weight, &mut track.correlated, &mut correlation.squares, &mut correlation.products];
-        let state = track.state.mean.iter_mut().chain(track.state.covariance.as_flattened_mut());
-        state.chain(sums).chain(last)
+        let (state, change) = (entries(&mut track.state), entries(&mut track.change));
+        state.chain(change).chain(track.cross.as_flattened_mut()).chain(sums).chain(last)
     });
     let noise = [&mut bank.noise, &mut bank.taken];
     let counts = [&mut comparison.taken, &mut comparison.excluded];
-    let law = law.mean.iter_mut().chain(law.covariance.as_flattened_mut());
-    tracks.chain(noise).chain(law).chain(&mut comparison.squares).chain(&mut comparison.all).chain(counts)
+    tracks
+        .chain(noise)
+        .chain(entries(law))
+        .chain(&mut comparison.squares)
+        .chain(&mut comparison.all)
+        .chain(counts)
+}
+
+fn entries(part: &mut Gaussian) -> impl Iterator<Item = &mut f64> {
+    part.mean.iter_mut().chain(part.covariance.as_flattened_mut())
 }

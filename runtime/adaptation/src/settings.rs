@@ -9,8 +9,7 @@ pub const MOST_DELAY: usize = 8;
 /// Settings of the recursive estimation.
 ///
 /// [`AdaptationSettings::new`] returns the defaults. They were chosen with simulated joints
-/// (`runtime/examples/support/warming.rs`). A test compares the default drift times with faster ones. No test
-/// compares other values of the other settings.
+/// (`runtime/examples/support/warming.rs`). No test compares other values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdaptationSettings {
     /// Measurement period (s), which is the period of the calls of [`Adaptation::step`](super::Adaptation::step).
@@ -23,9 +22,9 @@ pub struct AdaptationSettings {
     /// of the learned coefficients δ follow from it ([`JointScale::bounds`](super::JointScale::bounds)). The standard deviation
     /// of the prior of a coefficient is half of its bound.
     pub largest_change: f64,
-    /// Times in which a random walk of the coefficients reaches the standard deviation of the prior (s), from slow to fast
-    /// drift. One Kalman filter runs for each time.
-    pub drift_times: [f64; 3],
+    /// Times in which the drift of the coefficients reaches the standard deviation of the prior (s), from slow to fast drift. One
+    /// Kalman filter runs for each time. Rates of change are correlated over a 4000th of the time.
+    pub drift_times: [f64; 4],
     /// Time constant of leaky averages, in seconds of motion, at least 100 times [`Self::time_constant`].
     /// They estimate the noise, the correlation of samples, the weights of the drift times, and the
     /// prediction errors.
@@ -47,7 +46,7 @@ impl AdaptationSettings {
     /// | `time_constant` | the larger of 0.04 s and three periods |
     /// | `delay` | 0 |
     /// | `largest_change` | 0.9 |
-    /// | `drift_times` | 40000, 4000 and 400 s |
+    /// | `drift_times` | 40000, 4000, 400 and 40 s |
     /// | `memory`, `patience` | 20 s |
     /// | `blending` | 0.5 s |
     /// | `rest` | 0.01 |
@@ -58,7 +57,7 @@ impl AdaptationSettings {
             time_constant: (3.0 * period).max(0.04),
             delay: 0,
             largest_change: 0.9,
-            drift_times: [40000.0, 4000.0, 400.0],
+            drift_times: [40000.0, 4000.0, 400.0, 40.0],
             memory: 20.0,
             patience: 20.0,
             blending: 0.5,

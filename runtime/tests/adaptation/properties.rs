@@ -32,21 +32,15 @@ fn halves(held: &[f64; 10]) -> [f64; 2] {
     [&held[..5], &held[5..]].map(|half| half.iter().sum::<f64>() / 5.0)
 }
 
-/// A slowest drift of 8000 s makes intervals hold more often while friction drifts, and errors larger: claim 13 of the paper's page
-/// does not hold then.
 #[test]
-fn intervals_hold_during_drift_and_with_faster_drift_more_often() {
-    let faster = AdaptationSettings { drift_times: [8000.0, 2000.0, 400.0], ..settings() };
-    let [usual, faster] = [settings(), faster].map(|settings| coverage(1, 60, settings));
-    let all = usual.held.iter().sum::<f64>() / 10.0;
-    let [[during, after], [faster_during, _]] = [&usual, &faster].map(|found| halves(&found.held));
-    println!("90 % intervals hold {:.1} %, {during:.3}, {after:.3}: {:?}", 100.0 * all, usual.held);
-    println!("with faster drift {faster_during:.3}, errors {:?} {:?}", usual.errors, faster.errors);
-    assert!([all, during].iter().all(|held| (0.87..=0.93).contains(held)), "{all}, {:?}", usual.held);
-    assert!(usual.errors[0] < 0.1 * usual.errors[1], "{:?}", usual.errors);
-    assert!(usual.learned > 0.99, "{}", usual.learned);
-    assert!(faster_during > during + 0.03, "{during}, {faster_during}");
-    assert!(usual.errors[0] < 0.95 * faster.errors[0], "{:?} {:?}", usual.errors, faster.errors);
+fn intervals_hold_during_drift() {
+    let found = coverage(1, 120, settings());
+    let all = found.held.iter().sum::<f64>() / 10.0;
+    let [during, after] = halves(&found.held);
+    println!("90 % intervals hold {:.1} %, {during:.3}, {after:.3}: {:?}", 100.0 * all, found.held);
+    assert!([all, during].iter().all(|held| (0.87..=0.93).contains(held)), "{all}, {:?}", found.held);
+    assert!(found.errors[0] < 0.04 * found.errors[1], "{:?}", found.errors);
+    assert!(found.learned > 0.99, "{}", found.learned);
 }
 
 #[test]

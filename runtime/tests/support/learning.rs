@@ -38,7 +38,7 @@ pub fn made<C>(rate: f64, make: impl FnOnce(Model) -> C) -> Made<C> {
     made
 }
 
-fn described() -> Described {
+pub fn described() -> Described {
     let mut arm = Described::default();
     let p = &mut arm.parameters;
     let of_beta = [&mut p.beta_viscous, &mut p.beta_tanh_5, &mut p.beta_tanh_10, &mut p.beta_tanh_20];

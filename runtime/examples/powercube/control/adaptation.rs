@@ -31,7 +31,7 @@ const BEFORE: [Friction; 2] = [Friction::B, Friction::C];
 /// minutes.
 pub fn at_once() -> AdaptationSettings {
     AdaptationSettings {
-        drift_times: [4000.0, 400.0, 40.0],
+        drift_times: [4000.0, 400.0, 40.0, 4.0],
         time_constant: PERIOD,
         memory: 4.0,
         patience: 0.1,
