@@ -188,7 +188,7 @@ struct Group<V, const N: usize, const M: usize, const NY: usize> {
 impl<V: Vector, const N: usize, const M: usize, const NY: usize> Group<V, N, M, NY> {
     /// Memory, which robots with quaternions do not need.
     fn new() -> Self {
-        const { assert!(V::WIDTH == WIDTH && TOGETHER % WIDTH == 0, "each lane has one robot") };
+        const { assert!(V::WIDTH == WIDTH && TOGETHER.is_multiple_of(WIDTH), "each lane has one robot") };
         let robots = if N == NY { TOGETHER } else { 0 };
         let step = Step {
             coordinates: [0.0; NY],
