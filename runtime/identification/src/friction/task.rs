@@ -22,13 +22,14 @@ pub struct FrictionData<'a> {
     pub velocity_unit: &'a str,
     /// Velocity ẏ of each sample [rad/s or m/s].
     pub velocities: &'a [f64],
-    /// Friction torque τ_f of each sample [N·m or N]: the effort minus the rigid-body force at the joint.
+    /// Friction torque τ_f of each sample [N·m or N]: the effort minus the rigid-body force at the joint and minus the offset
+    /// of the sensor.
     pub torques: &'a [f64],
     /// Folds of the cross-validation. Each fold has several ranges of samples, for example the runs that repeat one motion.
     /// `None` takes contiguous blocks of equal size.
     pub folds: Option<&'a [Vec<Range<usize>>]>,
     /// Runs: ranges of samples that were recorded without interruption. Each range starts at the end of the previous range,
-    /// and the ranges contain all samples. Each run has a separate offset. Errors of different runs count as uncorrelated.
+    /// and the ranges contain all samples. Errors of different runs count as uncorrelated.
     /// `None` takes all samples as one run.
     pub runs: Option<&'a [Range<usize>]>,
     /// The filter that the torques passed. The values of friction laws pass the same filter. `None` if the torques passed no
@@ -69,11 +70,11 @@ pub struct FrictionIdentification {
     pub library: Library,
     /// Method by which the law is identified.
     pub method: FrictionMethod,
-    /// Meaning of a constant torque in the samples of a run: an offset of the sensor, or friction.
+    /// Whether a constant torque can be friction. In both cases the torques must not contain an offset of the sensor.
     pub offsets: Offsets,
     /// Number of contiguous blocks of the cross-validation, if the data have no folds.
     pub folds: usize,
-    /// Whether the law must be passive. A passive law has these properties, after offsets are separated:
+    /// Whether the law must be passive. A passive law has these properties:
     /// - The torque τ brakes, `τ v ≥ 0`, at all speeds up to ten times the largest speed in the data.
     /// - Viscous friction is not negative.
     /// - At c times the largest speed (c > 1) the torque is at most 1.5 c times the torque at the largest speed.
@@ -85,8 +86,8 @@ pub struct FrictionIdentification {
 }
 
 impl FrictionIdentification {
-    /// Returns settings with the usual friction terms of a joint, sequential thresholding at 0.1, separate offsets and ten
-    /// folds. The law must be passive. It is refused if its held-out R² is below 0.05.
+    /// Returns settings with the usual friction terms of a joint, sequential thresholding at 0.1 and ten folds. Constant terms
+    /// are left out. The law must be passive. It is refused if its held-out R² is below 0.05.
     ///
     /// # Errors
     /// The call fails if the default terms are invalid, which does not happen.
