@@ -14,8 +14,13 @@ const TOO_LARGE: &str = "go2";
 /// Robots that a bench controls with a module that has lanes, and functions that only these robots have.
 const OVER_LANES: [(&str, &[&str]); 3] =
     [("panda", &[]), ("quadrotor", &["input_forces_derivatives"]), ("ur5", &[])];
-/// Functions of these modules, which predictive control calls.
-const OF_CONTROL: [&str; 8] = [
+/// Functions of these modules, which `Dynamics` requires and predictive control calls.
+const OF_CONTROL: [&str; 13] = [
+    "mass_matrix",
+    "coriolis_forces",
+    "gravity_forces",
+    "spring_forces",
+    "friction_torques",
     "inverse_dynamics",
     "inverse_dynamics_derivatives",
     "inverse_dynamics_derivatives_and_mass_matrix",
