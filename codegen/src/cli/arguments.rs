@@ -436,7 +436,8 @@ fn methods() -> PossibleValuesParser {
 pub(super) enum DerivativeName {
     /// Derivatives of the filter that is applied to positions and efforts
     Filter,
-    /// TVDiff: total-variation regularized differentiation, tuned to the noise of each position, then the filter
+    /// TVDiff: total-variation regularization, whose weight follows from the noise of each position. The
+    /// filter of the efforts is then applied to the derivatives
     Tvdiff,
 }
 

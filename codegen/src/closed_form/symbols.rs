@@ -16,8 +16,8 @@ pub struct Symbol {
     pub value: Formula,
     /// Meaning of the symbol, with the unit in brackets.
     pub meaning: String,
-    /// Whether the symbol stays visible, that is never becomes part of a lumped constant. Symbols of drives,
-    /// gravity, springs, friction and angles are visible.
+    /// Whether the symbol is kept out of lumped constants. Symbols of drives, gravity, springs, friction and
+    /// angles are kept out.
     pub is_visible: bool,
 }
 

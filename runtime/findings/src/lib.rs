@@ -55,9 +55,10 @@ impl Rule {
         Self { code, severity: Severity::Note }
     }
 
-    /// Creates a finding of this rule about the whole input.
+    /// Creates a finding of this rule. The finding is about the whole input, until [`Finding::of`] or another
+    /// method sets a part.
     ///
-    /// - `message`: text without the name of the part that the finding is about
+    /// - `message`: text without the name of the part, because [`Finding::sentence`] adds the name
     pub fn found(&self, message: impl Into<String>) -> Finding {
         Finding { severity: self.severity, ..Finding::error(self.code, message) }
     }

@@ -1,5 +1,5 @@
-//! Prints `linearize` of robots with loops over joints: a call of `forward_dynamics_derivatives`, and code
-//! that computes the results of `linearize` from its results.
+//! Prints the function `linearize` of robots with loops over joints. The function calls
+//! `forward_dynamics_derivatives`, and computes its own results from the results and arguments of this call.
 
 use super::body::Body;
 use super::context::Context;

@@ -9,8 +9,9 @@
 #[diagnostic::on_unimplemented(
     message = "the module has no `friction_torques` as a function of velocities, or of positions and velocities",
     label = "generate it with friction_torques",
-    note = "a type of a module with free parameters is `struct Name {{ parameters }} = module`, otherwise \
-            `struct Name = module`"
+    note = "if the module has free parameters, write `dynamics!(struct Name {{ parameters }} = module)`. If the \
+            module has driven joints, write `dynamics!(struct Name {{ driven }} = module)`. If it has both, write \
+            `{{ driven, parameters }}`. For all other modules, write `dynamics!(struct Name = module)`"
 )]
 pub trait FrictionLaw<Arguments, const N: usize, const NY: usize> {
     /// Friction torques [N m or N] at positions `y` and velocities `v`.
@@ -39,8 +40,9 @@ where
 #[diagnostic::on_unimplemented(
     message = "the module has no `friction_torques` as a function of velocities, or of positions and velocities",
     label = "generate it with friction_torques",
-    note = "a type of a module with free parameters is `struct Name {{ parameters }} = module`, otherwise \
-            `struct Name = module`"
+    note = "if the module has free parameters, write `dynamics!(struct Name {{ parameters }} = module)`. If the \
+            module has driven joints, write `dynamics!(struct Name {{ driven }} = module)`. If it has both, write \
+            `{{ driven, parameters }}`. For all other modules, write `dynamics!(struct Name = module)`"
 )]
 pub trait FrictionLawWithParameters<Arguments, P, const N: usize, const NY: usize> {
     /// Friction torques [N m or N] at positions `y` and velocities `v`, with parameters or driven joints `p`.

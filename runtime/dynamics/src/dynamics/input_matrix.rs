@@ -11,8 +11,9 @@ use super::functions::Missing;
 #[diagnostic::on_unimplemented(
     message = "the module has no `input_matrix`",
     label = "generate it with input_matrix",
-    note = "a type of a module with free parameters is `struct Name {{ parameters }} = module`, otherwise \
-            `struct Name = module`"
+    note = "if the module has free parameters, write `dynamics!(struct Name {{ parameters }} = module)`. If the \
+            module has driven joints, write `dynamics!(struct Name {{ driven }} = module)`. If it has both, write \
+            `{{ driven, parameters }}`. For all other modules, write `dynamics!(struct Name = module)`"
 )]
 pub trait InputMatrix<Arguments, const N: usize, const M: usize, const NY: usize> {
     /// Input matrix B at positions `y`.
@@ -42,8 +43,9 @@ impl<F: Fn(&[f64; NY]) -> [[f64; M]; N], const N: usize, const M: usize, const N
 #[diagnostic::on_unimplemented(
     message = "the module has no `input_matrix`",
     label = "generate it with input_matrix",
-    note = "a type of a module with free parameters is `struct Name {{ parameters }} = module`, otherwise \
-            `struct Name = module`"
+    note = "if the module has free parameters, write `dynamics!(struct Name {{ parameters }} = module)`. If the \
+            module has driven joints, write `dynamics!(struct Name {{ driven }} = module)`. If it has both, write \
+            `{{ driven, parameters }}`. For all other modules, write `dynamics!(struct Name = module)`"
 )]
 pub trait InputMatrixWithParameters<Arguments, P, const N: usize, const M: usize, const NY: usize> {
     /// Input matrix B at positions `y`, with parameters or driven joints `p`.
