@@ -169,7 +169,7 @@ fn parameters_that_the_data_do_not_show() {
     // Steps of the same library are all constant. One of them is kept, because the torques have no offset.
     let report = identify(&friction, FrictionMethod::LeastSquares, &v, &torque).expect("a law");
     assert_eq!(report.terms, ["v", "tanh(100*v)"]);
-    let law = &report.result;
+    let law = &report.result.law;
     let torques = law.torques(&[1.2, -1.2]).expect("torques");
     assert!((torques[0] - 3.4).abs() < 1e-9 && (torques[1] + 3.4).abs() < 1e-9);
 }
