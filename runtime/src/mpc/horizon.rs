@@ -1,7 +1,7 @@
 //! Common parts of the predictive controllers: estimate, reference over the horizon, QP, and plan.
 
 use super::error::MpcError;
-use super::integrate::{Span, substeps};
+use super::integrate::{Span, integrate, substeps};
 use super::margins::{Margins, narrowed, quantile};
 use super::node::{Node, Prediction, in_deviations};
 use super::note::{MpcNote, alternating, beyond_limits, beyond_rows, dry_friction, not_kept};
@@ -251,14 +251,19 @@ where
         if !start.is_finite() {
             return Err(ControllerFault::NotFinite);
         }
-        let estimate =
-            Node { positions: *self.observer.positions(), velocities: *self.observer.velocities() };
+        let (y, v) = (*self.observer.positions(), *self.observer.velocities());
         if !self.options.delay {
-            return Ok((start, estimate));
+            return Ok((start, Node { positions: y, velocities: v }));
         }
+        let mut ahead = (y, v);
         let disturbance = self.observer.disturbance();
         let total: [f64; M] = core::array::from_fn(|i| self.under_way[i] + disturbance[i]);
-        Ok((start, estimate.after(self.model(), &total, self.span(cycle.time))))
+        let span = self.span(cycle.time);
+        for time in span.steps() {
+            let step = |model: &D| model.step(&ahead.0, &ahead.1, &total, span.length());
+            ahead = self.model().at_time(time, step);
+        }
+        Ok((start, Node { positions: ahead.0, velocities: ahead.1 }))
     }
 
     /// Predicts the state and corrects it with the measurement. If the estimate is not finite because of an extreme
@@ -307,7 +312,8 @@ where
     /// caches. The estimate, the plan and the initial guess of the next QP do not change.
     pub fn rehearse(&mut self, next: &Cycle<N, M, NY>) {
         let span = self.span(next.time - self.options.period);
-        let _ = black_box(self.observer.prediction(self.model(), &next.last_inputs, span));
+        let (y, v) = (self.observer.positions(), self.observer.velocities());
+        let _ = black_box(integrate(self.model(), y, v, &next.last_inputs, span));
         self.solver.rehearse(&self.problem);
     }
 

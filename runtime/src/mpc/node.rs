@@ -1,7 +1,7 @@
 //! States of reference and plan, and predictions of deviations from the reference.
 
-use super::integrate::{Span, add_product, join};
-use crate::dynamics::{Discretizable, Dynamics, plain_positions};
+use super::integrate::{add_product, join};
+use crate::dynamics::{Dynamics, plain_positions};
 
 /// State with positions and velocities.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,20 +50,6 @@ impl<const N: usize, const NY: usize> Node<N, NY> {
         };
         let velocities = core::array::from_fn(|i| 0.5 * (self.velocities[i] + next.velocities[i]));
         Self { positions, velocities }
-    }
-
-    /// State after a period with constant inputs `u` [N m, N or A].
-    pub fn after<const M: usize>(
-        &self,
-        model: &impl Discretizable<N, M, NY>,
-        u: &[f64; M],
-        span: Span,
-    ) -> Self {
-        span.steps().fold(*self, |Self { positions, velocities }, time| {
-            let (positions, velocities) =
-                model.at_time(time, |model| model.step(&positions, &velocities, u, span.length()));
-            Self { positions, velocities }
-        })
     }
 
     /// Positions and velocities to which limits and rows apply, with one position for each velocity. The positions of

@@ -1,9 +1,8 @@
 //! Kalman filter that estimates the state and the input disturbance from measured positions.
 
 use super::error::{MpcError, require};
-use super::integrate::Span;
-use super::node::Node;
-use crate::dynamics::{Discretizable, Discretization, Dynamics};
+use super::integrate::{Span, integrate};
+use crate::dynamics::{Discretizable, Dynamics, Step};
 
 /// Standard deviations of the noise that [`DisturbanceObserver`] assumes. The noise of different periods is
 /// independent.
@@ -61,8 +60,7 @@ impl<const N: usize, const M: usize> ObserverOptions<N, M> {
 /// ```
 ///
 /// The filter is an extended Kalman filter. It predicts the state with the nonlinear robot f, and the covariance with
-/// the exact zero-order hold of the robot's linearization halfway between the states before and after the period
-/// (Anderson, Moore, *Optimal Filtering*, 1979, section 8.2). The disturbance
+/// the exact sensitivities of the robot (Anderson, Moore, *Optimal Filtering*, 1979, section 8.2). The disturbance
 /// model for offset-free control is from Pannocchia, Rawlings, *AIChE J.* 49 (2003). Measured positions are
 /// processed one after another. Because their noise is independent, the result equals that of simultaneous
 /// processing. For robots with quaternions, the filter estimates the error state `(y ⊖ ŷ, v − v̂, d − d̂)` (Solà,
@@ -168,34 +166,21 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         period: f64,
         substeps: usize,
     ) {
-        let (after, held) = self.prediction(model, inputs, Span { start, period, substeps: substeps.max(1) });
-        (self.positions, self.velocities) = (after.positions, after.velocities);
-        self.predict_covariance(&held);
-    }
-
-    /// State after a period, and the zero-order hold halfway between the states before and after.
-    pub(super) fn prediction(
-        &self,
-        model: &impl Discretizable<N, M, NY>,
-        inputs: &[f64; M],
-        span: Span,
-    ) -> (Node<N, NY>, Discretization<N, M, NY>) {
         let total: [f64; M] = core::array::from_fn(|i| inputs[i] + self.disturbance[i]);
-        let before = Node { positions: self.positions, velocities: self.velocities };
-        let after = before.after(model, &total, span);
-        let Node { positions, velocities } = before.middle(&after, model);
-        let hold = |model: &_| Discretizable::discretize(model, &positions, &velocities, &total, span.period);
-        (after, model.at_time(span.start + 0.5 * span.period, hold))
+        let span = Span { start, period, substeps: substeps.max(1) };
+        let step = integrate(model, &self.positions, &self.velocities, &total, span);
+        (self.positions, self.velocities) = (step.coordinates, step.velocities);
+        self.predict_covariance(&step);
     }
 
     /// Predicts the covariance P by `F P Fᵀ` plus the noise. F is the sensitivity matrix of the augmented state. F
     /// differs from the identity only in the rows of y and ẏ.
-    fn predict_covariance(&mut self, held: &Discretization<N, M, NY>) {
+    fn predict_covariance(&mut self, step: &Step<N, M, NY>) {
         let n = Self::SIZE;
         // Fᵀ is stored without the columns of d, because loops over its rows are vectorized.
         for k in 0..n {
             for i in 0..2 * N {
-                self.transition[k * 2 * N + i] = sensitivity(held, i, k);
+                self.transition[k * 2 * N + i] = sensitivity(step, i, k);
             }
         }
         self.work[..2 * N * n].fill(0.0);
@@ -336,12 +321,12 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
 /// Entry (i, k) of the derivatives of the state after a period with respect to the state before (A_d) and the
 /// inputs (B_d), as one matrix (A_d, B_d).
 fn sensitivity<const N: usize, const M: usize, const NY: usize>(
-    held: &Discretization<N, M, NY>,
+    step: &Step<N, M, NY>,
     i: usize,
     k: usize,
 ) -> f64 {
     let (half, i) = (i / N, i % N);
-    if k < 2 * N { held.state[half][k / N][i][k % N] } else { held.input[half][i][k - 2 * N] }
+    if k < 2 * N { step.state[half][k / N][i][k % N] } else { step.input[half][i][k - 2 * N] }
 }
 
 fn add_scaled(sum: &mut [f64], factor: f64, of: &[f64]) {
