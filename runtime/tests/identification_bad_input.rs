@@ -129,7 +129,9 @@ fn more_terms_than_samples() {
     let v = [-0.5, -0.1, 0.2, 0.6];
     for method in methods() {
         let text = message(identify(&friction, method, &v, &v));
-        assert!(text.contains("needs at least") && text.contains("samples, but there are 4"), "{text}");
+        // Terms that these four velocities do not distinguish are left out before.
+        let needs = |count: usize| text.contains(&format!("needs at least {count} samples, but there are 4"));
+        assert!([5, 6, 7].into_iter().any(needs), "{text}");
     }
 }
 
