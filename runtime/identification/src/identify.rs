@@ -191,8 +191,7 @@ fn identified(
     let rubs = |joint: &usize| estimate.joints[*joint].moves && !estimate.joints[*joint].exact;
     let motions = repeated_motions(&prepared);
     let friction = (0..estimate.joints.len()).filter(rubs).map(|joint| {
-        let runs = (&prepared[..], motions.as_deref());
-        let mut samples = JointSamples::new(joint, runs, &estimate);
+        let mut samples = JointSamples::new(joint, &prepared, motions.as_deref(), &estimate);
         let law = samples.law(robot, &settings.friction, &data, &preparation);
         let mut report = unless_refused(law, settings.accept_poor);
         if let Ok(report) = &mut report {

@@ -166,7 +166,8 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
     /// - `of`: function that returns the learned friction torque of a joint
     fn slopes(
         &self,
-        (y, v): (&[f64; N], &[f64; N]),
+        y: &[f64; N],
+        v: &[f64; N],
         laws: &[JointLaw; N],
         of: impl Fn(usize, &JointLaw) -> f64,
     ) -> Slopes<N> {
@@ -321,7 +322,7 @@ impl<D: Differentiable<N, M>, const N: usize, const M: usize> Differentiable<N, 
     fn linearize(&self, y: &[f64; N], v: &[f64; N], u: &[f64; M]) -> Linearization<N, M> {
         let (forces, laws) = (self.drive_forces(u), self.laws(y, v));
         let learned: [Learned; N] = core::array::from_fn(|i| laws[i].of_drive_force(forces[i]));
-        let slopes = self.slopes((y, v), &laws, |i, law| law.of_drive_force(forces[i]).0);
+        let slopes = self.slopes(y, v, &laws, |i, law| law.of_drive_force(forces[i]).0);
         let mut linear = self.robot.linearize(y, v, &self.relieved(u, &learned.map(|(torque, _)| torque)));
         // ÿ = A_y y + A_v v + B_x (u − B⁺ τ_δ) + c, and τ_δ is linearized about ȳ, v̄ and ū.
         for i in 0..N {
@@ -351,7 +352,7 @@ impl<D: Differentiable<N, M>, const N: usize, const M: usize> LearnedFriction<D,
     /// the forces of the described robot.
     fn add_learned(&self, derivatives: &mut ForceDerivatives<N>, y: &[f64; N], v: &[f64; N]) -> [f64; N] {
         let (forces, laws) = (derivatives.forces, self.laws(y, v));
-        let slopes = self.slopes((y, v), &laws, |i, law| law.of_described_force(forces[i]).0);
+        let slopes = self.slopes(y, v, &laws, |i, law| law.of_described_force(forces[i]).0);
         core::array::from_fn(|i| {
             let (torque, gain) = laws[i].of_described_force(forces[i]);
             derivatives.forces[i] += torque;

@@ -209,8 +209,8 @@ where
         let velocities = self.state.filter.velocities();
         let (believed, desired) = (&self.state.believed.positions, &self.state.desired.positions);
         let error = self.fallback.difference(desired, believed);
-        let dependent = |joint: &DependentJoint<N>, at: (&[f64; N], &[f64; N])| {
-            self.fallback.dependent_motion_at_time(self.time(), joint, at)
+        let dependent = |joint: &DependentJoint<N>, y: &[f64; N], v: &[f64; N]| {
+            self.fallback.dependent_motion_at_time(self.time(), joint, y, v)
         };
         let situation =
             Situation { positions: &positions, velocities, age, error: &error, dependent: &dependent };

@@ -49,7 +49,8 @@ pub trait JointLaw<const N: usize, const M: usize, const NY: usize = N> {
         &self,
         time: f64,
         joint: &DependentJoint<N>,
-        (coordinates, velocities): (&[f64; N], &[f64; N]),
+        coordinates: &[f64; N],
+        velocities: &[f64; N],
     ) -> [f64; 2] {
         let _ = time;
         joint.motion(coordinates, velocities, &[])
@@ -99,7 +100,8 @@ macro_rules! of_the_model {
             &self,
             time: f64,
             joint: &$crate::dynamics::DependentJoint<N>,
-            (coordinates, velocities): (&[f64; N], &[f64; N]),
+            coordinates: &[f64; N],
+            velocities: &[f64; N],
         ) -> [f64; 2] {
             let of = |model: &D| joint.motion(coordinates, velocities, model.driven_motion());
             self.feed_forward.model().at_time(time, of)

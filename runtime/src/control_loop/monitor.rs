@@ -104,7 +104,7 @@ pub(super) fn check_positions<const N: usize, const M: usize>(
 /// Function that returns position and velocity of a joint that follows other joints, for given positions and
 /// velocities of the coordinates.
 pub(super) type DependentMotion<'a, const N: usize> =
-    &'a dyn Fn(&DependentJoint<N>, (&[f64; N], &[f64; N])) -> [f64; 2];
+    &'a dyn Fn(&DependentJoint<N>, &[f64; N], &[f64; N]) -> [f64; 2];
 
 /// State of the robot for the check of its limits.
 pub(super) struct Situation<'a, const N: usize> {
@@ -186,8 +186,8 @@ fn check_dependent<const N: usize>(
 ) -> Result<(), LimitFault> {
     for (k, joint) in joints.iter().enumerate() {
         let (place, name, setting) = (N + k, joint.name, "dependent_joints");
-        let [position, speed] = motion(joint, (positions, velocities));
-        let [stopping, _] = motion(joint, (stopping, velocities));
+        let [position, speed] = motion(joint, positions, velocities);
+        let [stopping, _] = motion(joint, stopping, velocities);
         let (limits, limit) = (joint.position, SPEED_MARGIN * joint.velocity);
         let within = |x: f64| (limits[0]..=limits[1]).contains(&x);
         if joint.has_position_limit() && !(within(position) && within(stopping)) {
@@ -206,7 +206,7 @@ mod tests {
     use super::*;
     use crate::dynamics::Limits;
 
-    const NONE: DependentMotion<'static, 1> = &|joint, (y, v)| joint.motion(y, v, &[]);
+    const NONE: DependentMotion<'static, 1> = &|joint, y, v| joint.motion(y, v, &[]);
 
     fn settings() -> LoopSettings<1, 1> {
         LoopSettings::within(
@@ -310,9 +310,8 @@ mod tests {
         let unlimited = [f64::NEG_INFINITY, f64::INFINITY];
         let free = DependentJoint { position: unlimited, velocity: f64::INFINITY, ..follower };
         assert_eq!(check(free), Ok(()));
-        let known = |joint: &DependentJoint<1>, (y, v): (&[f64; 1], &[f64; 1])| {
-            joint.motion(y, v, &[[1.3, 0.0, 0.0]])
-        };
+        let known =
+            |joint: &DependentJoint<1>, y: &[f64; 1], v: &[f64; 1]| joint.motion(y, v, &[[1.3, 0.0, 0.0]]);
         assert_eq!(check_dependent(&[follower], [&[0.0], &[0.0]], &[0.0], &known), Ok(()));
         assert!(check_dependent(&[follower], [&[-0.1], &[-0.1]], &[0.0], &known).is_err());
     }

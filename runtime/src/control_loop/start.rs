@@ -40,8 +40,8 @@ where
     fn try_start(&mut self) -> Result<(), Refusal> {
         let positions = self.first_reading()?;
         let measured = Unwrapped::at(positions, &self.fallback);
-        let dependent = |joint: &DependentJoint<N>, at: (&[f64; N], &[f64; N])| {
-            self.fallback.dependent_motion_at_time(-self.release_time(), joint, at)
+        let dependent = |joint: &DependentJoint<N>, y: &[f64; N], v: &[f64; N]| {
+            self.fallback.dependent_motion_at_time(-self.release_time(), joint, y, v)
         };
         check_positions(&self.settings, &self.joints, &measured.coordinates, &dependent)
             .map_err(Refusal::Limit)?;

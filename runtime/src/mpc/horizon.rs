@@ -184,7 +184,7 @@ where
             }
             let (y, v) = (&sample.positions, &sample.velocities);
             self.model().check_attitudes(y).map_err(|error| MpcError::Attitude { time, error })?;
-            let discrete = self.look_at(time, (y, v), &inputs)?;
+            let discrete = self.look_at(time, y, v, &inputs)?;
             let (mut a, mut b) = ([[0.0; NX]; NX], [[0.0; M]; NX]);
             flat_state(&discrete.state, &mut a);
             flat_input(&discrete.input, &mut b);
@@ -210,7 +210,8 @@ where
     fn look_at(
         &mut self,
         time: f64,
-        (y, v): (&[f64; NY], &[f64; N]),
+        y: &[f64; NY],
+        v: &[f64; N],
         inputs: &[f64; M],
     ) -> Result<Discretization<N, M, NY>, MpcError> {
         let (period, rest) = (self.options.period, &[0.0; N]);
@@ -363,8 +364,8 @@ where
             flat_input(prediction.input, &mut stage.input_matrix);
         } else {
             // The logarithm of the inverse rotation is the negative logarithm.
-            let deviations = (&core::array::from_fn(|i| -back[i]), &core::array::from_fn(|i| affine[i]));
-            let (state, input) = in_deviations(prediction, deviations, (&reference.positions, model));
+            let (before, after) = (core::array::from_fn(|i| -back[i]), core::array::from_fn(|i| affine[i]));
+            let (state, input) = in_deviations(prediction, &before, &after, &reference.positions, model);
             flat_state(&state, &mut stage.state_matrix);
             flat_input(&input, &mut stage.input_matrix);
         }
@@ -403,8 +404,8 @@ where
         self.set_bounds(&disturbance);
         let model = self.feed_forward.model();
         let coordinates = |k: usize| self.reference.nodes[k].coordinates(model);
-        let at = (coordinates, &self.reference.inputs[..], &disturbance);
-        row::set_sides(&mut self.problem, &self.options.rows, at);
+        let inputs = &self.reference.inputs;
+        row::set_sides(&mut self.problem, &self.options.rows, coordinates, inputs, &disturbance);
         let report = self.solve_problem(start);
         let iterations = report.iterations as u32;
         if report.status == QpStatus::Invalid {

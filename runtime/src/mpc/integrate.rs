@@ -28,13 +28,15 @@ fn norm<const N: usize>(a: &[[f64; N]; N]) -> f64 {
 
 /// A step of the implicit midpoint rule.
 ///
-/// - `(y, v, a)`: positions and velocities before the step, and a guess of the accelerations
+/// - `y`, `v`, `a`: positions and velocities before the step, and a guess of the accelerations
 ///
 /// # Errors
 /// The errors of [`discretize`](crate::control_loop::zero_order_hold::discretize).
 pub(super) fn midpoint<const N: usize, const M: usize, const NY: usize>(
     model: &impl Discretizable<N, M, NY>,
-    (y, v, a): (&[f64; NY], &[f64; N], &[f64; N]),
+    y: &[f64; NY],
+    v: &[f64; N],
+    a: &[f64; N],
     u: &[f64; M],
     period: f64,
 ) -> Result<Step<N, M, NY>, ControllerFault> {

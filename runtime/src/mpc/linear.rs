@@ -179,9 +179,9 @@ where
                 (Node { positions, velocities }, middle.accelerations, horizon.reference.inputs[k])
             }
         };
-        let from = (&at.positions, &at.velocities, &a);
         let time = horizon.reference.middle_time(k);
-        let step = horizon.model().at_time(time, |model| midpoint(model, from, &u, period))?;
+        let step = |model: &D| midpoint(model, &at.positions, &at.velocities, &a, &u, period);
+        let step = horizon.model().at_time(time, step)?;
         let prediction = Prediction {
             state: &step.state,
             input: &step.input,

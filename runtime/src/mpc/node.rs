@@ -81,8 +81,10 @@ type Blocks<const N: usize, const M: usize> = ([[[[f64; N]; N]; 2]; 2], [[[f64; 
 /// - `before`, `after`: the deviations e and e⁺ of the prediction
 pub(super) fn in_deviations<const N: usize, const M: usize, const NY: usize>(
     prediction: &Prediction<'_, N, M, NY>,
-    (before, after): (&[f64; N], &[f64; N]),
-    (reference, model): (&[f64; NY], &impl Dynamics<N, M, NY>),
+    before: &[f64; N],
+    after: &[f64; N],
+    reference: &[f64; NY],
+    model: &impl Dynamics<N, M, NY>,
 ) -> Blocks<N, M> {
     let (_, by_before) = model.integrate_derivatives(reference, before);
     let (by_after, _) = model.difference_derivatives(after);
@@ -136,8 +138,7 @@ mod tests {
         let back: [f64; 12] = at.from(&reference, &Quadrotor);
         let ahead: [f64; 12] = next.from(&end, &Quadrotor);
         let (before, after) = (core::array::from_fn(|i| back[i]), core::array::from_fn(|i| ahead[i]));
-        let (state, input) =
-            in_deviations(&prediction, (&before, &after), (&reference.positions, &Quadrotor));
+        let (state, input) = in_deviations(&prediction, &before, &after, &reference.positions, &Quadrotor);
         for j in 0..16 {
             let moved = |h: f64| -> [f64; 12] {
                 let (mut deviation, mut u) = (deviation, u);

@@ -380,7 +380,9 @@ pub(super) fn set_matrices<const N: usize, const M: usize, const NX: usize, cons
 pub(super) fn set_sides<const N: usize, const M: usize, const NX: usize, const NR: usize>(
     problem: &mut QpProblem<NX, M, NR>,
     rows: &[MpcRow<N, M>; NR],
-    (reference, inputs, disturbance): (impl Fn(usize) -> [f64; NX], &[[f64; M]], &[f64; M]),
+    reference: impl Fn(usize) -> [f64; NX],
+    inputs: &[[f64; M]],
+    disturbance: &[f64; M],
 ) {
     let free = [f64::NEG_INFINITY, f64::INFINITY];
     for (r, row) in rows.iter().enumerate() {

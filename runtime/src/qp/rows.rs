@@ -70,16 +70,16 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Rows<V, NX, N
                     let unit = unit(c, d);
                     self.offset[r] = c.iter().zip(&problem.initial_state).map(|(c, x)| c / unit * x).sum();
                 }
-                self.set(k, r, (c, d));
+                self.set(k, r, c, d);
                 limit(self.limits(k, r, [rows.lower[r], rows.upper[r]], problem));
             }
             let (k, end) = (problem.stages.len(), &problem.terminal_rows);
-            self.set(k, r, (&end.state_matrix[r], &[0.0; NU]));
+            self.set(k, r, &end.state_matrix[r], &[0.0; NU]);
             limit(self.limits(k, r, [end.lower[r], end.upper[r]], problem));
         }
     }
 
-    fn set(&mut self, k: usize, r: usize, (c, d): (&[f64; NX], &[f64; NU])) {
+    fn set(&mut self, k: usize, r: usize, c: &[f64; NX], d: &[f64; NU]) {
         let unit = unit(c, d);
         let c = if k > 0 { c.map(|v| v / unit) } else { [0.0; NX] };
         pack(&mut self.c[(k * NR + r) * Self::RX..][..Self::RX], &c);

@@ -26,7 +26,8 @@ fn gravity(gravity: Gravity) -> &'static str {
 
 /// Returns the identified values and the paths of the written files as JSON.
 pub(super) fn as_json(
-    (found, findings): (&Identification, &[Finding]),
+    found: &Identification,
+    findings: &[Finding],
     validation: &[JointValidation],
     output: &Path,
     files: &[PathBuf],

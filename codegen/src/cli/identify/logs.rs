@@ -70,7 +70,7 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
             print::after(validation, &found.findings(&robot))?
         }
     };
-    finish(arguments, format, (&loaded, &robot), &found, &validation, &output)
+    finish(arguments, format, &loaded, &robot, &found, &validation, &output)
 }
 
 /// Writes the results of an identification: the description, the page, and a table or JSON on standard
@@ -78,7 +78,8 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
 pub(super) fn finish(
     arguments: &Identify,
     format: Format,
-    (loaded, robot): (&Loaded, &InterpretedRobot),
+    loaded: &Loaded,
+    robot: &InterpretedRobot,
     found: &Identification,
     validation: &[JointValidation],
     output: &Path,
@@ -94,7 +95,7 @@ pub(super) fn finish(
     let constants = motor_constants::findings(found);
     let findings: Vec<Finding> =
         found.findings(robot).into_iter().chain(remarks.into_iter().flatten()).chain(constants).collect();
-    let described = describe(arguments, (&loaded.model, robot), (found, &findings), command, output);
+    let described = describe(arguments, &loaded.model, robot, found, &findings, command, output);
     print::after(described, &findings)?;
     let name = &loaded.model.name;
     let files = match &arguments.report {
@@ -105,11 +106,10 @@ pub(super) fn finish(
         None => Vec::new(),
     };
     let front = arguments.method.as_ref().map(|_| front(found)).filter(|table| table.len() > 1);
-    let found = (found, findings.as_slice());
     print::result(
         format,
-        || found_json::as_json(found, validation, output, &files),
-        || as_text(found, (front, validation), output, &files),
+        || found_json::as_json(found, &findings, validation, output, &files),
+        || as_text(found, &findings, front, validation, output, &files),
     )
 }
 
@@ -261,8 +261,10 @@ fn name_of(value: impl ValueEnum) -> Option<String> {
 
 fn describe(
     arguments: &Identify,
-    (described, robot): (&Model, &InterpretedRobot),
-    (found, findings): (&Identification, &[Finding]),
+    described: &Model,
+    robot: &InterpretedRobot,
+    found: &Identification,
+    findings: &[Finding],
     command: &str,
     output: &Path,
 ) -> Result<(), Failure> {
@@ -365,8 +367,10 @@ pub(super) fn write_description(
 }
 
 fn as_text(
-    (found, findings): (&Identification, &[Finding]),
-    (front, validation): (Option<Vec<Vec<String>>>, &[JointValidation]),
+    found: &Identification,
+    findings: &[Finding],
+    front: Option<Vec<Vec<String>>>,
+    validation: &[JointValidation],
     output: &Path,
     files: &[PathBuf],
 ) -> String {

@@ -63,7 +63,7 @@ pub(super) fn write_merged(arguments: &Identify, format: Format) -> Result<ExitC
     let found = identify_moments(&robot, &description.parts(), &moments, &settings(arguments)?, &mut say);
     let mut found = print::identified(found)?;
     motor_constants::add_doubts(&mut found);
-    finish(arguments, format, (&loaded, &robot), &found, &[], &path)
+    finish(arguments, format, &loaded, &robot, &found, &[], &path)
 }
 
 fn is_moments(path: &Path) -> bool {

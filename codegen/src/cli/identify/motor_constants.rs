@@ -45,11 +45,11 @@ pub(super) fn findings(found: &Identification) -> Vec<Finding> {
 
 /// Adds warnings about doubtful motor constants to the findings of an estimate.
 pub(super) fn add_doubts(found: &mut Identification) {
-    let doubts: Vec<Finding> = known(found).filter_map(doubt).collect();
+    let doubts: Vec<Finding> = known(found).filter_map(|(joint, constant)| doubt(joint, constant)).collect();
     found.estimate.findings.extend(doubts);
 }
 
-fn doubt((joint, constant): (&JointEstimate, Uncertain)) -> Option<Finding> {
+fn doubt(joint: &JointEstimate, constant: Uncertain) -> Option<Finding> {
     let value = constant.value;
     let doubt = if value < 0.0 {
         "is negative, so current and position have opposite positive directions. Give a negative factor, as in --columns \

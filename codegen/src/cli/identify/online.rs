@@ -41,8 +41,8 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     let findings = &recording.findings;
     print::result(
         format,
-        || as_json((&found, &joints, &unlearned), findings, &files),
-        || as_text((&joints, &unlearned), findings, &files),
+        || as_json(&found, &joints, &unlearned, findings, &files),
+        || as_text(&joints, &unlearned, findings, &files),
     )
 }
 
@@ -58,11 +58,7 @@ fn unlearned(found: &Replay, robot: &InterpretedRobot) -> Vec<String> {
     named.filter(|(_, replay)| replay.is_none()).map(|(name, _)| name).collect()
 }
 
-fn as_text(
-    (joints, unlearned): (&[OnlineJoint], &[String]),
-    findings: &[Finding],
-    files: &[PathBuf],
-) -> String {
+fn as_text(joints: &[OnlineJoint], unlearned: &[String], findings: &[Finding], files: &[PathBuf]) -> String {
     let mut text = print::lines(findings);
     let head = [
         "joint",
@@ -114,7 +110,9 @@ fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
 }
 
 fn as_json(
-    (found, joints, unlearned): (&Replay, &[OnlineJoint], &[String]),
+    found: &Replay,
+    joints: &[OnlineJoint],
+    unlearned: &[String],
     findings: &[Finding],
     files: &[PathBuf],
 ) -> Value {

@@ -29,12 +29,16 @@ pub(super) fn write(arguments: &Identify, format: Format) -> Result<ExitCode, Fa
     let output = output(arguments, &loaded, "payload")?;
     let carrier = carrier(arguments, &robot)?;
     let load = PayloadSettings { body: Some(carrier.body), ..PayloadSettings::default() };
-    let both = (&settings(arguments)?, &load);
-    let found = identify_load(&robot, &arguments.logs, &arguments.payload, both, &mut say);
+    let settings = settings(arguments)?;
+    let found = identify_load(&robot, &arguments.logs, &arguments.payload, &settings, &load, &mut say);
     let found = print::identified(found)?;
-    describe(arguments, &loaded.model, (&found, &carrier.link), &output)?;
-    let parts = (&found, carrier.link.as_str(), &robot, output.as_path());
-    print::result(format, || as_json(parts), || as_text(parts))
+    let link = &carrier.link;
+    describe(arguments, &loaded.model, &found, link, &output)?;
+    print::result(
+        format,
+        || as_json(&found, link, &robot, &output),
+        || as_text(&found, link, &robot, &output),
+    )
 }
 
 /// The link that carries the identified load.
@@ -67,7 +71,8 @@ fn carrier(arguments: &Identify, robot: &InterpretedRobot) -> Result<Carrier, Fa
 fn describe(
     arguments: &Identify,
     model: &Model,
-    (found, link): (&CarriedLoad, &str),
+    found: &CarriedLoad,
+    link: &str,
     output: &Path,
 ) -> Result<(), Failure> {
     let values = found.payload.parameters.map(|parameter| parameter.value);
@@ -104,10 +109,7 @@ fn values(payload: &Payload) -> Vec<(&'static str, &'static str, Uncertain)> {
     std::iter::once(("mass", "kg", payload.mass)).chain(centre).chain(moments).collect()
 }
 
-/// The identified load, the link that carries it, the robot, and the written file.
-type Parts<'a> = (&'a CarriedLoad, &'a str, &'a InterpretedRobot, &'a Path);
-
-fn as_text((found, link, robot, output): Parts<'_>) -> String {
+fn as_text(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &Path) -> String {
     let mut text = print::lines(&found.findings);
     let payload = &found.payload;
     text.push_str(&format!("\nload on {link} (moments of inertia about the load's centre of mass):\n"));
@@ -133,7 +135,7 @@ fn as_text((found, link, robot, output): Parts<'_>) -> String {
     text
 }
 
-fn as_json((found, link, robot, output): Parts<'_>) -> Value {
+fn as_json(found: &CarriedLoad, link: &str, robot: &InterpretedRobot, output: &Path) -> Value {
     let payload = &found.payload;
     let value = |of: &Uncertain| json!({"value": of.value, "interval": of.interval});
     let joints = robot.joint_names().into_iter().zip(&payload.explained).zip(&payload.residuals);

@@ -1,6 +1,6 @@
 //! Default implementations of methods, for modules that were generated without the corresponding functions.
 
-use super::lanes::{Instructions, LANES, LinearizeLanes, Point};
+use super::lanes::{LANES, Point};
 use super::load_friction::{load, under_load};
 use super::manifold::same;
 use super::midpoint::{Columns, solve, times};
@@ -383,22 +383,21 @@ impl StageTimes {
 }
 
 /// Linearizes a robot at several points, eight points at a time if the module has functions for eight states.
+///
+/// - `by_lanes`: linearizes at up to eight points; false if the module has no function for this
 #[inline]
-pub fn linearize_along<D, L, P: Copy, const N: usize, const M: usize, const NY: usize>(
+pub fn linearize_along<D, const N: usize, const M: usize, const NY: usize>(
     robot: &D,
-    (table, parameters): (&impl LinearizeLanes<L, P, N, M, NY>, P),
-    of: impl Fn([f64; LANES]) -> L,
-    numbers: impl Fn(&L) -> &[f64; LANES],
-    (instructions, points): (Instructions, &[Point<N, M, NY>]),
+    points: &[Point<N, M, NY>],
     results: &mut [Linearization<N, M, NY>],
+    by_lanes: impl Fn(&[Point<N, M, NY>], &mut [Linearization<N, M, NY>]) -> bool,
 ) where
     D: Differentiable<N, M, NY>,
 {
     let count = points.len().min(results.len());
     for (points, results) in points[..count].chunks(LANES).zip(results[..count].chunks_mut(LANES)) {
         // A call for eight points takes as long as two or three calls for a single point.
-        let lanes = (&of, &numbers);
-        if points.len() < 3 || !table.linearize(instructions, parameters, lanes, points, results) {
+        if points.len() < 3 || !by_lanes(points, results) {
             linearize_one_by_one(robot, points, results);
         }
     }

@@ -490,9 +490,11 @@ macro_rules! dynamics {
             use $crate::dynamics::{Missing as LINEARIZE_LANES, NoLanes as Lanes};
             {
                 $crate::dynamics!(@import [$($module)::+]);
-                $crate::dynamics::linearize_along(
-                    self, (&LINEARIZE_LANES, ($(&self.$p,)?)), Lanes, |lanes| &lanes.0, (instructions, points), results,
-                );
+                $crate::dynamics::linearize_along(self, points, results, |points, results| {
+                    $crate::dynamics::LinearizeLanes::linearize(
+                        &LINEARIZE_LANES, instructions, ($(&self.$p,)?), Lanes, |lanes| &lanes.0, points, results,
+                    )
+                });
             }
         }
     };

@@ -127,7 +127,7 @@ fn untold(robot: &dyn Robot, error: &IdentificationError) -> Option<(usize, Find
 /// Whether another joint moves and has a usable effort.
 fn has_others(robot: &dyn Robot, runs: &[PreparedRun], settings: &EstimationSettings, joint: usize) -> bool {
     let without = [&settings.without[..], &[joint]].concat();
-    Layout::of(robot, runs, &EstimationSettings { without, ..settings.clone() }, (None, false))
+    Layout::of(robot, runs, &EstimationSettings { without, ..settings.clone() }, None, false)
         .is_ok_and(|layout| layout.rubbing().next().is_some())
 }
 
@@ -141,8 +141,8 @@ fn estimate_of(
     if settings.load_friction {
         return under_load(robot, runs, settings, progress);
     }
-    let layout = Layout::of(robot, runs, settings, (settings.steepness.as_deref(), false))?;
-    pass(robot, runs, settings, (&layout, None), progress).map(|(found, _)| found)
+    let layout = Layout::of(robot, runs, settings, settings.steepness.as_deref(), false)?;
+    pass(robot, runs, settings, &layout, None, progress).map(|(found, _)| found)
 }
 
 /// Repeats the estimate until the coefficients of load-dependent friction settle.
@@ -152,16 +152,16 @@ fn under_load(
     settings: &EstimationSettings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Estimate> {
-    let layout = Layout::of(robot, runs, settings, (settings.steepness.as_deref(), false))?;
+    let layout = Layout::of(robot, runs, settings, settings.steepness.as_deref(), false)?;
     // Load-dependent friction may be most of the residual, so a poor fit is accepted here.
     let first = EstimationSettings { accept_poor: true, ..settings.clone() };
-    let (mut found, steepness) = pass(robot, runs, &first, (&layout, None), progress)?;
+    let (mut found, steepness) = pass(robot, runs, &first, &layout, None, progress)?;
     // The term of load-dependent friction has the same steepness k as the Coulomb term.
-    let layout = Layout::of(robot, runs, settings, (Some(&steepness), true))?;
+    let layout = Layout::of(robot, runs, settings, Some(&steepness), true)?;
     for number in 1..=PASSES {
         let loads = Loads::new(robot, &layout, &found)?;
         progress(&format!("Load-dependent friction, pass {number}."));
-        let (next, _) = pass(robot, runs, settings, (&layout, Some(&loads)), progress)?;
+        let (next, _) = pass(robot, runs, settings, &layout, Some(&loads), progress)?;
         let settled = number > 1 && settled(&found, &next);
         found = next;
         if settled {
@@ -181,7 +181,8 @@ fn pass(
     robot: &dyn Robot,
     runs: &[PreparedRun],
     settings: &EstimationSettings,
-    (layout, loads): (&Layout, Option<&Loads>),
+    layout: &Layout,
+    loads: Option<&Loads>,
     progress: &mut dyn FnMut(&str),
 ) -> Result<(Estimate, Vec<f64>)> {
     let prior = Prior::new(&robot.parameters(), robot.bodies(), JointPrior::all(robot, layout, runs));
@@ -364,7 +365,7 @@ impl Task<'_> {
         let held_out = judged.centred_r_squared(&errors.rss);
         let with_rest = self.with_rest(&judged, &errors);
         progress("Other explanations of the data are tried, for example wrong signs or units.");
-        let doubts = self.doubts((&judged, &errors), &held_out, (&forces, time))?;
+        let doubts = self.doubts(&judged, &errors, &held_out, &forces, time)?;
         let report = Report {
             fitted: Estimated {
                 robot: self.robot,
@@ -387,23 +388,25 @@ impl Task<'_> {
     /// Findings that raise doubts about the fit, from other explanations of the data and from checks of the
     /// residuals.
     ///
-    /// - `judged`: fit to the sums of moving samples, and its held-out errors
+    /// - `judged`, `errors`: fit to the sums of moving samples, and its held-out errors
     /// - `held_out`: R² of each joint on held-out data
-    /// - `forces`: forces of the last fit, with the correlation time of the residuals
+    /// - `forces`, `correlation_time`: forces of the last fit, and the correlation time of the residuals
     ///
     /// # Errors
     /// [`IdentificationError::Found`] if another explanation is clearly better, if the unit is wrong for the
     /// whole robot, or if the fit explains too little.
     fn doubts(
         &self,
-        judged: (&Chosen, &HeldOut),
+        judged: &Chosen,
+        errors: &HeldOut,
         held_out: &[f64],
-        (forces, correlation_time): (&Forces, f64),
+        forces: &Forces,
+        correlation_time: f64,
     ) -> Result<Vec<Finding>> {
         let checked = Checked { task: self, forces, correlation_time };
         let accept_poor = self.settings.accept_poor;
         let ratio = checked.common_ratio();
-        let case = Case::new((self.robot, self.prior), judged, ratio.as_ref(), Some(&checked))?;
+        let case = Case::new(self.robot, self.prior, judged, errors, ratio.as_ref(), Some(&checked))?;
         let mut doubts = case.doubts()?;
         let of_all = |doubt: &&Finding| doubt.about.subject == Subject::Whole && is_refusal(doubt);
         let refusals: Vec<Finding> = doubts.iter().filter(of_all).cloned().collect();
@@ -428,7 +431,7 @@ impl Task<'_> {
             let reasons = of_all.chain(checked.joint(joint));
             reasons.chain([unexplained(self.robot, joint)]).collect()
         };
-        require_explained(self.robot, self.layout, self.settings, (held_out, doubts), reasons)
+        require_explained(self.robot, self.layout, self.settings, held_out, doubts, reasons)
     }
 
     /// Correlation time of the residual of each joint [samples].

@@ -351,7 +351,8 @@ pub(super) fn require_explained(
     robot: &dyn Robot,
     layout: &Layout,
     settings: &EstimationSettings,
-    (held_out, doubts): (&[f64], &[Finding]),
+    held_out: &[f64],
+    doubts: &[Finding],
     reasons: impl Fn(usize) -> Vec<Finding>,
 ) -> Result<()> {
     let least = settings.least_r_squared;

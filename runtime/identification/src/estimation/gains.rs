@@ -90,7 +90,8 @@ impl Projection {
     fn new(
         layout: &Layout,
         root: &DMatrix<f64>,
-        (all, without): (&DMatrix<f64>, &[&DMatrix<f64>]),
+        all: &DMatrix<f64>,
+        without: &[&DMatrix<f64>],
         joint: usize,
     ) -> Self {
         let left = without_friction(layout, all, joint);
@@ -207,7 +208,7 @@ impl<'a> Equations<'a> {
         let root = Factor::new(&metric)?.whitened(free);
         let project = |&joint: &usize| {
             let without: Vec<&DMatrix<f64>> = without.iter().map(|fold| &fold[joint]).collect();
-            Projection::new(layout, &root, (&all[joint], &without), joint)
+            Projection::new(layout, &root, &all[joint], &without, joint)
         };
         let projections: Vec<Projection> = joints.iter().map(project).collect();
         let covariance = DMatrix::from_fn(joints.len(), joints.len(), |i, k| {
@@ -313,7 +314,7 @@ impl<'a> Equations<'a> {
 
     /// Columns of a joint for the active unknowns, as factors of the columns of its sums.
     fn columns(&self, gains: &[f64], joint: usize) -> DMatrix<f64> {
-        selection((self.centred.layout, joint, gains[joint]), &self.active)
+        selection(self.centred.layout, joint, gains[joint], &self.active)
     }
 
     /// Force of a joint without the columns of delays, as factors of the columns of its sums.

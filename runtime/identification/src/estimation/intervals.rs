@@ -61,7 +61,7 @@ impl<'a> RigidFit<'a> {
 
     /// Derivatives of a joint's columns, with their factors, with respect to the active unknowns.
     fn selection(&self, joint: usize) -> DMatrix<f64> {
-        selection((self.layout(), joint, self.solved.values.gains[joint]), &self.solved.active)
+        selection(self.layout(), joint, self.solved.values.gains[joint], &self.solved.active)
     }
 }
 

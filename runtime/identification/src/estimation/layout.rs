@@ -114,7 +114,8 @@ impl Layout {
         robot: &dyn Robot,
         runs: &[PreparedRun],
         settings: &EstimationSettings,
-        (steepness, loads): (Option<&[f64]>, bool),
+        steepness: Option<&[f64]>,
+        loads: bool,
     ) -> Result<Self> {
         let layout = Self::new(robot, runs, steepness, loads)?.without(&settings.without);
         match &settings.delays {

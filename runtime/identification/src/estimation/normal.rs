@@ -63,7 +63,7 @@ impl Model {
 impl<'a> Centred<'a> {
     pub(super) fn new(layout: &'a Layout, sums: &'a Sums, offsets: Offsets, zeros: Vec<f64>) -> Self {
         let of = |without| -> Vec<DMatrix<f64>> {
-            let joint = |j: usize| centred(sums, j, without, (layout.offsets(j, offsets), zeros[j]));
+            let joint = |j: usize| centred(sums, j, without, layout.offsets(j, offsets), zeros[j]);
             (0..layout.joints).map(joint).collect()
         };
         let (all, without) = (of(None), (0..sums.folds.len()).map(|k| of(Some(k))).collect());
@@ -73,7 +73,7 @@ impl<'a> Centred<'a> {
     /// `Σ (z − z̄)²` of the measured forces z of a joint, with the mean z̄ over samples that share an offset; NaN if no
     /// force acts.
     pub(super) fn variation(&self, joint: usize) -> f64 {
-        let products = centred(self.sums, joint, None, (self.layout.offsets(joint, self.offsets), 0.0));
+        let products = centred(self.sums, joint, None, self.layout.offsets(joint, self.offsets), 0.0);
         let last = products.nrows() - 1;
         let squares = products[(last, last)];
         if !self.layout.exact[joint] {
@@ -153,12 +153,7 @@ impl<'a> Centred<'a> {
 ///
 /// - `without`: fold that is left out
 /// - `zeros`: weight of the prior of each offset, as in [`Centred::zeros`]
-fn centred(
-    sums: &Sums,
-    joint: usize,
-    without: Option<usize>,
-    (offsets, zeros): (Offsets, f64),
-) -> DMatrix<f64> {
+fn centred(sums: &Sums, joint: usize, without: Option<usize>, offsets: Offsets, zeros: f64) -> DMatrix<f64> {
     let mut products = sums.products(joint, without);
     for (weight, columns) in groups(sums.by_run(joint, without), offsets).iter().filter(|g| g.0 > 0.0) {
         products.ger(-1.0 / (weight + zeros), columns, columns, 1.0);
@@ -239,7 +234,7 @@ impl Normal {
 }
 
 /// Matrix that maps a joint's columns to the columns of the active unknowns.
-pub(super) fn selection((layout, joint, gain): (&Layout, usize, f64), active: &[usize]) -> DMatrix<f64> {
+pub(super) fn selection(layout: &Layout, joint: usize, gain: f64, active: &[usize]) -> DMatrix<f64> {
     let mut selection = DMatrix::zeros(layout.width(joint), active.len());
     for (i, &global) in active.iter().enumerate() {
         if let Some(k) = layout.local[joint].iter().position(|local| *local == global) {

@@ -110,7 +110,7 @@ impl<'a> Rows<'a> {
                     [v[j], a[j]],
                     [rigid[j], run.force(&self.layout.input_matrix, j, sample)],
                 );
-                self.write_delays((number, run), j, [place, sample]);
+                self.write_delays(number, run, j, [place, sample]);
             }
         }
     }
@@ -211,12 +211,7 @@ impl<'a> Rows<'a> {
 
     /// Writes the columns of the delays. An effort z that is late by a time δ is `z(t + δ) ≈ z + δ ż` at the
     /// time of the motion, so the column of δ is −ż.
-    fn write_delays(
-        &mut self,
-        (number, run): (usize, &PreparedRun),
-        joint: usize,
-        [place, sample]: [usize; 2],
-    ) {
+    fn write_delays(&mut self, number: usize, run: &PreparedRun, joint: usize, [place, sample]: [usize; 2]) {
         let layout = self.layout;
         let first = layout.first_term(joint) + layout.terms;
         for (k, delay) in layout.delays_of[joint].iter().enumerate() {

@@ -80,11 +80,7 @@ impl Columns {
     /// # Errors
     /// [`IdentificationError::File`](super::super::error::IdentificationError::File) if inputs act at frames and efforts are
     /// not forces at the joints. The same error is returned if motor constants are unknown and an input drives several joints.
-    pub(crate) fn new(
-        robot: &dyn Robot,
-        effort: Effort,
-        (spans, measured): (&[f64], Vec<bool>),
-    ) -> Result<Self> {
+    pub(crate) fn new(robot: &dyn Robot, effort: Effort, spans: &[f64], measured: Vec<bool>) -> Result<Self> {
         let joints = spans.iter().zip(robot.speed_scales()).zip(&measured);
         let moves = joints
             .map(|((span, scale), measured)| *measured && *span > levels::STANDSTILL.get() * scale)
@@ -127,7 +123,8 @@ impl Columns {
         &self,
         robot: &dyn Robot,
         runs: &[PreparedRun],
-        (gravity, filter): (Gravity, Option<&Filter>),
+        gravity: Gravity,
+        filter: Option<&Filter>,
         of: &Weighted,
         pieces: &[RunPiece],
     ) -> Vec<ShareSums> {
@@ -290,7 +287,7 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
         held_out,
     };
     let ratio = found.common_ratio();
-    let case = Case::new((robot, &prior), (&chosen, &found.held_out), ratio.as_ref(), None)?;
+    let case = Case::new(robot, &prior, &chosen, &found.held_out, ratio.as_ref(), None)?;
     found.doubts = case.signs()?;
     found.require_explained()?;
     let accept_poor = found.fitted.settings.accept_poor;
@@ -344,7 +341,7 @@ impl Found<'_> {
         let held_out: Vec<f64> =
             (0..layout.joints).map(|joint| self.r_squared(joint, self.held_out.rss[joint])).collect();
         let reasons = |joint: usize| vec![unexplained(robot, joint)];
-        require_explained(robot, layout, settings, (&held_out, &self.doubts), reasons)
+        require_explained(robot, layout, settings, &held_out, &self.doubts, reasons)
     }
 
     /// Ratio of estimated to described forces of the robot as a whole; `None` if no joint determines the ratio.

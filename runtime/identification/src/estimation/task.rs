@@ -46,7 +46,7 @@ impl Task<'_> {
     ///
     /// - `count`: number of additional parameters
     /// - `more`: change of the regressor, with the columns of the additional parameters at the end
-    pub(super) fn with_more<T>(&self, (count, more): (usize, More), of: impl FnOnce(&Task) -> T) -> T {
+    pub(super) fn with_more<T>(&self, count: usize, more: More, of: impl FnOnce(&Task) -> T) -> T {
         let layout = self.layout.with_more_parameters(count);
         let described = [&self.prior.described[..], &vec![1.0; count]].concat();
         let prior = Prior::new(&described, self.robot.bodies(), self.prior.joints.clone());

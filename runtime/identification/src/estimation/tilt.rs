@@ -136,7 +136,7 @@ impl Turning<'_> {
     /// unknowns.
     fn angles(&self, task: &Task, last: &Chosen) -> Result<[DVector<f64>; 2]> {
         let more = |y: &[f64], regressor: &mut [f64]| self.add(y, task.layout.joints, regressor);
-        task.with_more((2, &more), |task| {
+        task.with_more(2, &more, |task| {
             let sums = task.sums_of(&moving);
             let mut chosen = last.with_more(task.layout, &sums, 1.0 / levels::FREE_BODIES.get());
             chosen.weighting.description = levels::FREE_BODIES.get();

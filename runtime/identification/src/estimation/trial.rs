@@ -192,8 +192,10 @@ impl<'a> Case<'a> {
     ///
     /// - `own`: held-out errors of the fit
     pub(super) fn new(
-        (robot, prior): (&'a dyn Robot, &'a Prior),
-        (chosen, own): (&'a Chosen<'a>, &HeldOut),
+        robot: &'a dyn Robot,
+        prior: &'a Prior,
+        chosen: &'a Chosen<'a>,
+        own: &HeldOut,
         ratio: Option<&'a CommonRatio>,
         checked: Option<&'a Checked<'a>>,
     ) -> Result<Self> {
@@ -287,7 +289,7 @@ impl<'a> Case<'a> {
                     let turned = at_rest(task.robot, y, task.layout.joints, turned);
                     regressor.iter_mut().zip(turned).for_each(|(entry, turned)| *entry += turned);
                 };
-                Some(Rc::new(task.with_more((0, &more), Data::of)))
+                Some(Rc::new(task.with_more(0, &more, Data::of)))
             }
             Change::Order(order) => {
                 let runs: Vec<PreparedRun> = task.runs.iter().map(|run| run.in_order(order)).collect();
@@ -306,7 +308,7 @@ impl<'a> Case<'a> {
             Change::Load(joints) => {
                 let widths = task.layout.steepness.iter().zip(&self.chosen.model.coulomb);
                 let steepness: Vec<f64> = widths.map(|(steepness, width)| steepness[*width]).collect();
-                let layout = Layout::of(task.robot, task.runs, task.settings, (Some(&steepness), true))?;
+                let layout = Layout::of(task.robot, task.runs, task.settings, Some(&steepness), true)?;
                 let loads = Loads::of(task.layout, &self.chosen.values.unknowns, joints);
                 of(Task { layout: &layout, loads: Some(&loads), ..task.clone() })
             }
@@ -322,7 +324,7 @@ impl Data {
             let rows = regressor.chunks_exact_mut(count + layout.joints).zip(y).enumerate();
             rows.for_each(|(joint, (row, y))| row[count + joint] = *y);
         };
-        task.with_more((layout.joints, &columns), Self::of)
+        task.with_more(layout.joints, &columns, Self::of)
     }
 
     pub(super) fn of(task: &Task) -> Self {

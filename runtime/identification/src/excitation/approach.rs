@@ -28,7 +28,7 @@ pub struct Approach {
 
 impl Approach {
     /// The fastest motion within the limits.
-    pub(super) fn new(from: &[f64], to: &[f64], (chart, limits): (&Chart, &[ExcitationLimits])) -> Self {
+    pub(super) fn new(from: &[f64], to: &[f64], chart: &Chart, limits: &[ExcitationLimits]) -> Self {
         let seconds = |((from, to), limit): ((&f64, &f64), &ExcitationLimits)| {
             let way = (to - from).abs();
             (PEAKS[0] * way / limit.velocity).max((PEAKS[1] * way / limit.acceleration).sqrt())
@@ -115,7 +115,7 @@ mod tests {
         };
         let chart = Chart::plain(2);
         for limits in [[limits(1.0, 9.0), limits(0.5, 2.0)], [limits(2.0, 1.0), limits(9.0, 9.0)]] {
-            let approach = Approach::new(&[0.5, -1.0], &[-0.7, 0.2], (&chart, &limits));
+            let approach = Approach::new(&[0.5, -1.0], &[-0.7, 0.2], &chart, &limits);
             let rows = approach.rows(0.001);
             let mut shares: Vec<f64> = Vec::new();
             for (joint, limit) in limits.iter().enumerate() {
@@ -132,7 +132,7 @@ mod tests {
             let most = shares.into_iter().fold(0.0, f64::max);
             assert!((0.99..1.0 + 1e-9).contains(&most), "{most}");
         }
-        let still = Approach::new(&[0.5], &[0.5], (&chart, &[limits(1.0, 1.0)]));
+        let still = Approach::new(&[0.5], &[0.5], &chart, &[limits(1.0, 1.0)]);
         assert!(still.rows(0.01).is_empty());
     }
 }

@@ -62,7 +62,9 @@ impl<'a> Design<'a> {
     pub(super) fn new(
         robot: &'a dyn Robot,
         rows: RobotRows<'a>,
-        (chart, limits, states): (&'a Chart, &'a [ExcitationLimits], &[Instant]),
+        chart: &'a Chart,
+        limits: &'a [ExcitationLimits],
+        states: &[Instant],
         settings: &PlanSettings,
     ) -> Self {
         let states: Vec<Instant> = states.iter().map(|state| rows.instant(state)).collect();

@@ -100,7 +100,7 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
     let mut findings: Vec<Finding> = notes.into_iter().map(|note| ASSUMED.found(note)).collect();
     let states = random_states(&limits, &chart);
     require_driven(robot, &states)?;
-    let design = Design::new(robot, RobotRows::of(robot), (&chart, &limits, &states), settings);
+    let design = Design::new(robot, RobotRows::of(robot), &chart, &limits, &states, settings);
     progress(&format!(
         "searching for a motion that determines {} base parameters and {} friction parameters",
         design.independent.len(),
@@ -109,16 +109,14 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
     let best = settings.excitation.minimize(
         &limits,
         |instants| design.score(instants),
-        (
-            |mut motion| {
-                motion.start_at_rest();
-                motion
-            },
-            |motion| {
-                design.narrow(motion, settings.excitation.samples);
-                chart.narrow(motion, &limits, settings.excitation.samples);
-            },
-        ),
+        |mut motion| {
+            motion.start_at_rest();
+            motion
+        },
+        |motion| {
+            design.narrow(motion, settings.excitation.samples);
+            chart.narrow(motion, &limits, settings.excitation.samples);
+        },
     )?;
     let best = best.ok_or_else(|| IdentificationError::NotConverged {
         what: "the search for a motion".into(),
@@ -128,7 +126,7 @@ pub fn plan(robot: &dyn Robot, settings: &PlanSettings, progress: &mut dyn FnMut
     findings.extend(smaller(best.size));
     let instants = chart.instants(&best.motion.instants(settings.excitation.samples));
     let begin = &best.motion.instant(0.0)[0];
-    let approach = settings.start.as_ref().map(|start| Approach::new(start, begin, (&chart, &limits)));
+    let approach = settings.start.as_ref().map(|start| Approach::new(start, begin, &chart, &limits));
     let along = chart.instants(&approach.iter().flat_map(Approach::instants).collect::<Vec<_>>());
     findings.extend(design.doubts_about(&along).into_iter().map(|doubt| APPROACH.found(doubt)));
     let all = [&instants[..], &along].concat();

@@ -63,7 +63,8 @@ impl Excitation {
         &self,
         limits: &[ExcitationLimits],
         mut score: impl FnMut(&[Instant]) -> f64,
-        (restrict, narrow): (impl Fn(FourierMotion) -> FourierMotion, impl Fn(&mut FourierMotion)),
+        restrict: impl Fn(FourierMotion) -> FourierMotion,
+        narrow: impl Fn(&mut FourierMotion),
     ) -> Result<Option<Best>> {
         self.check(limits)?;
         let mut random = SplitMix64::new(self.seed);
@@ -78,9 +79,10 @@ impl Excitation {
         let mut best: Option<Best> = None;
         let mut start = f64::INFINITY;
         for _ in 0..self.starts {
-            let (size, first) = possible(&self.random_motion(limits.len(), &mut random), &mut fitted);
-            start = start.min(first.1);
-            let (motion, score) = self.improve((size, first), limits, &mut random, &mut fitted);
+            let (size, (motion, score)) =
+                possible(&self.random_motion(limits.len(), &mut random), &mut fitted);
+            start = start.min(score);
+            let (motion, score) = self.improve(size, motion, score, limits, &mut random, &mut fitted);
             if best.as_ref().is_none_or(|b| score < b.score) {
                 best = Some(Best { motion, score, start, size });
             }
@@ -133,7 +135,9 @@ impl Excitation {
 
     fn improve(
         &self,
-        (size, (mut motion, mut score)): (f64, Scored),
+        size: f64,
+        mut motion: FourierMotion,
+        mut score: f64,
         limits: &[ExcitationLimits],
         random: &mut SplitMix64,
         fitted: &mut impl FnMut(FourierMotion, f64) -> Scored,
@@ -232,7 +236,7 @@ mod tests {
             parts.zip(instants).for_each(|(out, [y, v, a])| regressor(y, v, a, out));
             condition_of_scaled(&(&matrix * matrix.transpose()))
         };
-        settings.minimize(limits, condition, (|motion| motion, |_| {}))
+        settings.minimize(limits, condition, |motion| motion, |_| {})
     }
 
     #[test]
@@ -278,7 +282,7 @@ mod tests {
                 speed if speed > most => f64::INFINITY,
                 speed => -speed,
             };
-            settings.minimize(&LIMITS, score, (|motion| motion, |_| {})).unwrap()
+            settings.minimize(&LIMITS, score, |motion| motion, |_| {}).unwrap()
         };
         assert_eq!(found(10.0).unwrap().size, 1.0, "all is possible");
         let small = found(0.4).unwrap();

@@ -121,7 +121,7 @@ impl LogMoments {
             sums.any(|sums| sums.weight.value() > 0.0)
         };
         let measured = (0..spans.len()).map(weighs).collect();
-        let columns = Columns::new(robot, self.about.effort, (&spans, measured))?;
+        let columns = Columns::new(robot, self.about.effort, &spans, measured)?;
         if columns.widths() == self.about.widths {
             return Ok(columns);
         }

@@ -76,7 +76,7 @@ pub fn reduce(
     let facts = fitted.facts(robot)?;
     let spans: Vec<f64> = facts.iter().map(|row| row.span).collect();
     let measured = estimate.joints.iter().map(|joint| joint.measured).collect();
-    let columns = Columns::new(robot, recording.effort, (&spans, measured))?;
+    let columns = Columns::new(robot, recording.effort, &spans, measured)?;
     let reduced = ReducedLog {
         name: log.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
         hash: hash.ok_or_else(|| IdentificationError::Empty { what: "the log's hash".into() })?,
@@ -90,10 +90,10 @@ pub fn reduce(
     };
     let pieces = pieces(&runs, fitted.correlation);
     let weighted = Weighted { weights: &fitted.weights, residuals: &fitted.residuals };
-    let reading = (Gravity::of(settings.estimation.gravity_compensated), Some(&preparation.filter));
-    let sums = columns.sums(robot, &runs, reading, &weighted, &pieces);
+    let gravity = Gravity::of(settings.estimation.gravity_compensated);
+    let sums = columns.sums(robot, &runs, gravity, Some(&preparation.filter), &weighted, &pieces);
     Ok(LogMoments {
-        about: about(description, settings, (recording.effort, &columns)),
+        about: about(description, settings, recording.effort, &columns),
         shares: shares(&sums, &reduced.hash)?,
         doubts: doubts(&estimate, &reduced),
         logs: vec![reduced],
@@ -105,7 +105,8 @@ pub fn reduce(
 fn about(
     description: &[&[u8]],
     settings: &IdentificationSettings,
-    (effort, columns): (Effort, &Columns),
+    effort: Effort,
+    columns: &Columns,
 ) -> About {
     About {
         description: hash_of(description),

@@ -233,12 +233,12 @@ fn sums_are_those_of_the_centred_columns() {
         efforts: vec![column(m).iter().map(|x| x + 50.0).collect()],
         effort: Effort::Joint,
     };
-    let columns = Columns::new(&Arm, Effort::Joint, (&[1.0], vec![true])).unwrap();
+    let columns = Columns::new(&Arm, Effort::Joint, &[1.0], vec![true]).unwrap();
     let weights = vec![vec![column(m).iter().map(|x| 0.5 + 0.5 / (1.0 + x * x)).collect::<Vec<f64>>()]];
     let residuals = vec![vec![vec![1.0; m]]];
     let weighted = Weighted { weights: &weights, residuals: &residuals };
     let pieces = [RunPiece { run: 0, rows: 0..300 }, RunPiece { run: 0, rows: 300..m }];
-    let sums = columns.sums(&Arm, std::slice::from_ref(&run), (Gravity::Recorded, None), &weighted, &pieces);
+    let sums = columns.sums(&Arm, std::slice::from_ref(&run), Gravity::Recorded, None, &weighted, &pieces);
     let (y, v, a) = (&run.positions[0], &run.velocities[0], &run.accelerations[0]);
     let row = |i: usize| -> Vec<f64> {
         let (y, v, a) = (y[i], v[i], a[i]);

@@ -33,7 +33,8 @@ impl<'a> JointSamples<'a> {
     /// - `motions`: index of the motion of each run; `None` if runs do not repeat motions
     pub(crate) fn new(
         joint: usize,
-        (prepared, motions): (&'a [PreparedRun], Option<&[usize]>),
+        prepared: &'a [PreparedRun],
+        motions: Option<&[usize]>,
         estimate: &'a Estimate,
     ) -> Self {
         let mut samples = Self {
@@ -58,9 +59,9 @@ impl<'a> JointSamples<'a> {
                 Some(load) => {
                     let torques = torques[joint].iter().zip(&load[joint]);
                     let torques: Vec<f64> = torques.map(|(all, load)| all - load).collect();
-                    samples.extend((run, offset), motion, &torques);
+                    samples.extend(run, offset, motion, &torques);
                 }
-                None => samples.extend((run, offset), motion, &torques[joint]),
+                None => samples.extend(run, offset, motion, &torques[joint]),
             }
         }
         samples.motions.iter_mut().for_each(|motions| motions.retain(|ranges| !ranges.is_empty()));
@@ -74,7 +75,8 @@ impl<'a> JointSamples<'a> {
     /// - `motion`: index of the run's motion
     fn extend(
         &mut self,
-        (run, [value, standard_error]): (&'a PreparedRun, [f64; 2]),
+        run: &'a PreparedRun,
+        [value, standard_error]: [f64; 2],
         motion: Option<usize>,
         torques: &[f64],
     ) {

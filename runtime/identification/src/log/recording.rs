@@ -74,7 +74,7 @@ pub(crate) fn runs_noting(
     let mut recording: Option<Recording> = None;
     for path in paths {
         let place = path.display().to_string();
-        let one = read_bytes(&bytes_of(path)?, &place, (robot, columns), findings)?;
+        let one = read_bytes(&bytes_of(path)?, &place, robot, columns, findings)?;
         recording = Some(match recording {
             None => one,
             Some(before) => join(before, one)?,
@@ -96,7 +96,7 @@ pub(crate) fn runs_noting(
 /// The errors are those of [`runs`].
 pub fn runs_of(bytes: &[u8], source: &str, robot: &dyn Robot, columns: &ColumnOptions) -> Result<Recording> {
     let mut findings = Vec::new();
-    let mut recording = read_bytes(bytes, source, (robot, columns), &mut findings)?;
+    let mut recording = read_bytes(bytes, source, robot, columns, &mut findings)?;
     recording.findings = findings;
     recording.look(robot);
     Ok(recording)
@@ -204,7 +204,8 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>> {
 fn read_bytes(
     bytes: &[u8],
     source: &str,
-    (robot, options): (&dyn Robot, &ColumnOptions),
+    robot: &dyn Robot,
+    options: &ColumnOptions,
     findings: &mut Vec<Finding>,
 ) -> Result<Recording> {
     let text = text_of(bytes, source)?;
@@ -212,7 +213,7 @@ fn read_bytes(
     let names = RobotColumns::new(robot, options)?;
     let mapping = resolve(&sheet, &names, options, source)?;
     let samples = Samples::read(&sheet, &mapping, &names, source, findings)?;
-    let runs = split(samples, &mapping, (robot, &names), source, findings)?;
+    let runs = split(samples, &mapping, robot, &names, source, findings)?;
     let Mapping { effort, labels, brief, warnings, unused, .. } = mapping;
     let new: Vec<Finding> = warnings.into_iter().filter(|warning| !findings.contains(warning)).collect();
     findings.extend(new);

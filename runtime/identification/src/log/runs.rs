@@ -180,19 +180,15 @@ impl Samples {
             format!("{rows}. No values were recorded there")
         }));
         for i in efforts.clone() {
-            let named = (sources[i].map(|column| label(sheet, column.index)), source);
-            findings.extend(leave_out_spikes(&mut samples.values[i], &samples.lines, named));
+            let name = sources[i].map(|column| label(sheet, column.index));
+            findings.extend(leave_out_spikes(&mut samples.values[i], &samples.lines, name, source));
         }
         samples.leave_out_gaps(efforts);
         let left_out = total - samples.lines.len() - long_rows - zero_rows;
         findings.extend(gap_findings(sheet, mapping, &sources, &gaps, source, left_out));
         samples.require_some(robot, &gaps, total, source)?;
-        require_most_readable(
-            sheet,
-            (&labels(mapping, &sources), &gaps),
-            (left_out, long_rows, total),
-            source,
-        )?;
+        let columns = labels(mapping, &sources);
+        require_most_readable(sheet, &columns, &gaps, left_out, long_rows, total, source)?;
         Ok(samples)
     }
 
@@ -336,8 +332,11 @@ fn labels(mapping: &Mapping, sources: &[Option<&Column>]) -> Vec<Option<usize>> 
 /// fields are accepted: for example, two topics may share one table.
 fn require_most_readable(
     sheet: &Sheet,
-    (columns, gaps): (&[Option<usize>], &[Gaps]),
-    (left_out, long, total): (usize, usize, usize),
+    columns: &[Option<usize>],
+    gaps: &[Gaps],
+    left_out: usize,
+    long: usize,
+    total: usize,
     place: &str,
 ) -> Result<()> {
     if 2 * (left_out + long) <= total {
@@ -398,7 +397,8 @@ fn gap_findings(
 pub(super) fn split(
     samples: Samples,
     mapping: &Mapping,
-    (robot, names): (&dyn Robot, &RobotColumns),
+    robot: &dyn Robot,
+    names: &RobotColumns,
     source: &str,
     findings: &mut Vec<Finding>,
 ) -> Result<Vec<Run>> {

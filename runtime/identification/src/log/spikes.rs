@@ -18,7 +18,8 @@ const OUTLIER: Rule = Rule::note("outliers");
 pub(super) fn leave_out_spikes(
     column: &mut [f64],
     lines: &[usize],
-    (label, place): (Option<String>, &str),
+    label: Option<String>,
+    place: &str,
 ) -> Option<Finding> {
     let rows = spikes(column);
     let (first, last) = (*rows.first()?, *rows.last()?);

@@ -43,11 +43,12 @@ pub fn identify_load(
     robot: &dyn Robot,
     without: &[PathBuf],
     with: &[PathBuf],
-    (settings, load): (&IdentificationSettings, &PayloadSettings),
+    settings: &IdentificationSettings,
+    load: &PayloadSettings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<CarriedLoad> {
     let mut noted = Vec::new();
-    match compared(robot, (without, with), (settings, load), &mut noted, progress) {
+    match compared(robot, without, with, settings, load, &mut noted, progress) {
         Ok((payload, recordings)) => Ok(CarriedLoad { payload, recordings, findings: distinct(noted) }),
         Err(error) => Err(error.after(noted)),
     }
@@ -58,8 +59,10 @@ pub fn identify_load(
 /// - `noted`: receives the findings
 fn compared(
     robot: &dyn Robot,
-    (without, with): (&[PathBuf], &[PathBuf]),
-    (settings, load): (&IdentificationSettings, &PayloadSettings),
+    without: &[PathBuf],
+    with: &[PathBuf],
+    settings: &IdentificationSettings,
+    load: &PayloadSettings,
     noted: &mut Vec<Finding>,
     progress: &mut dyn FnMut(&str),
 ) -> Result<(Payload, [Recording; 2])> {

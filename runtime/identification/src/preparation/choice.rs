@@ -237,7 +237,7 @@ impl<'a> Recorded<'a> {
         filter: Option<Filter>,
         roundings: &[f64],
     ) -> Columns<'a> {
-        Columns::new(robot, runs, (filter, self.settings.gravity_compensated), roundings)
+        Columns::new(robot, runs, filter, self.settings.gravity_compensated, roundings)
     }
 
     fn delays_at(&self, bandwidth: f64, band: Option<Band>) -> Result<Option<Delays>> {

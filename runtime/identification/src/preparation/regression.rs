@@ -48,7 +48,8 @@ impl<'a> Columns<'a> {
     pub(crate) fn new(
         robot: &'a dyn Robot,
         runs: &[&PreparedRun],
-        (filter, is_compensated): (Option<Filter>, bool),
+        filter: Option<Filter>,
+        is_compensated: bool,
         roundings: &[f64],
     ) -> Self {
         let joints = robot.joint_names().len();

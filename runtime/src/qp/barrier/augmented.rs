@@ -40,7 +40,8 @@ impl<V: Vector> Bounds<V> {
     /// Each term is piecewise quadratic. The piece is selected by `z`, or by the multiplier if `known` is true.
     pub(in crate::qp) fn augment(
         &self,
-        (w, known): (f64, bool),
+        w: f64,
+        known: bool,
         z: &[V],
         gradient: &[V],
         weight: &mut [V],

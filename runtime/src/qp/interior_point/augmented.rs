@@ -82,8 +82,8 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
         self.rows.evaluate(&mut self.iterate);
         self.riccati.gradient(&self.iterate, &self.linear, &mut self.gradient);
         let (z, g, weight, h) = (&self.iterate, &self.gradient, &mut self.weight, &mut self.rhs);
-        self.input_bounds.augment((of_inputs, known), &z.u, &g.u, &mut weight.u, &mut h.u);
-        self.state_bounds.augment((of_states, known), &z.x, &g.x, &mut weight.x, &mut h.x);
+        self.input_bounds.augment(of_inputs, known, &z.u, &g.u, &mut weight.u, &mut h.u);
+        self.state_bounds.augment(of_states, known, &z.x, &g.x, &mut weight.x, &mut h.x);
         self.fixed.weigh(&mut weight.u);
         self.equalities.cap_weights(of_states);
         self.equalities.weigh(&mut weight.x);

@@ -26,9 +26,11 @@ pub(super) struct Finder<'a> {
 
 impl<'a> Finder<'a> {
     pub(super) fn new(
-        (sheet, robot): (&'a Sheet, &'a RobotColumns),
+        sheet: &'a Sheet,
+        robot: &'a RobotColumns,
         options: &ColumnOptions,
-        (source, hint): (&'a str, &'static str),
+        source: &'a str,
+        hint: &'static str,
     ) -> Result<Self> {
         let below = |i: usize| sheet.units.get(i).and_then(Option::as_deref);
         let headers = sheet.headers.iter().enumerate().map(|(i, text)| Header::new(i, text, below(i)));

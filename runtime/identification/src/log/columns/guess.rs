@@ -31,7 +31,7 @@ pub(in crate::log) fn guess(
     options: &ColumnOptions,
     source: &str,
 ) -> Result<ColumnGuess> {
-    let finder = Finder::new((sheet, robot), options, (source, ""))?;
+    let finder = Finder::new(sheet, robot, options, source, "")?;
     let mut guess = finder.guess(finder.parts(options.effort));
     guess.columns = if sheet.headers.is_empty() { sheet.first.clone() } else { sheet.headers.clone() };
     if let Err(fault) = finder.require_header() {

@@ -63,7 +63,7 @@ pub(in crate::log) fn resolve(
     options: &ColumnOptions,
     source: &str,
 ) -> Result<Mapping> {
-    let finder = Finder::new((sheet, robot), options, (source, HINT))?;
+    let finder = Finder::new(sheet, robot, options, source, HINT)?;
     finder.require_header()?;
     finder.require_absent()?;
     finder.mapping(finder.parts(options.effort))
