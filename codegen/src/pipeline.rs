@@ -190,7 +190,7 @@ fn check_language(options: &GenerateOptions) -> Result<(), Diagnostics> {
         return match options.emit.companions.is_empty() {
             true => Ok(()),
             false => {
-                let message = "interfaces for tools that call C require a C module";
+                let message = "functions for CasADi, acados and Python (`--for`) are written in C, but the language is Rust";
                 Err(Diagnostic::error("not-in-rust", message).help("generate C with `--language c`").into())
             }
         };
