@@ -114,7 +114,7 @@ impl JointState {
 const HISTORY: usize = MOST_DELAY + 2;
 
 /// Recursive estimator of the friction of a robot with N joints. The [crate](super) explains the method. Friction is learned
-/// for joints that a drive loads. Other joints keep the described law.
+/// for joints on which a drive acts. Other joints keep the described law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adaptation<const N: usize> {
     pub(super) settings: AdaptationSettings,
