@@ -126,9 +126,9 @@ fn generate_from(
 /// Suffix of the name of the smooth module of [`generate_pair`].
 pub const CONTROL: &str = "_control";
 
-/// Generates two modules from one description. The exact module, for plants, keeps `sign` in friction and
-/// springs. The smooth module `<name>_control`, for controllers, has `tanh(slope · v)` instead. The
-/// derivative of `tanh` is not zero. The exact module is the first.
+/// Generates two modules from one description. The first is the exact module, for plants. It keeps `sign` in
+/// friction and springs. The second is the smooth module `<name>_control`, for controllers. It has
+/// `tanh(slope · v)` instead, because controllers need derivatives, and the derivative of `sign` is zero.
 ///
 /// # Errors
 /// The errors of [`generate`], and `not-positive` if the slope is not positive and finite.
