@@ -126,9 +126,9 @@ fn generate_from(
 /// Suffix of the name of the smooth module of [`generate_pair`].
 pub const CONTROL: &str = "_control";
 
-/// Generates two modules from one description. The exact module, for plants, keeps `sign` in friction and
-/// springs. The smooth module `<name>_control`, for controllers, has `tanh(slope · v)` instead. The
-/// derivative of `tanh` is not zero. The exact module is the first.
+/// Generates two modules from one description. The first is the exact module, for plants. It keeps `sign` in
+/// friction and springs. The second is the smooth module `<name>_control`, for controllers. It has
+/// `tanh(slope · v)` instead, because controllers need derivatives, and the derivative of `sign` is zero.
 ///
 /// # Errors
 /// The errors of [`generate`], and `not-positive` if the slope is not positive and finite.
@@ -190,7 +190,7 @@ fn check_language(options: &GenerateOptions) -> Result<(), Diagnostics> {
         return match options.emit.companions.is_empty() {
             true => Ok(()),
             false => {
-                let message = "interfaces for tools that call C require a C module";
+                let message = "functions for CasADi, acados and Python (`--for`) are written in C, but the language is Rust";
                 Err(Diagnostic::error("not-in-rust", message).help("generate C with `--language c`").into())
             }
         };

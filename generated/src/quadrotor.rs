@@ -4520,7 +4520,7 @@ mod math {
     // are the same. Newton's iteration for 1/√x starts from the bits of x. The remainder, computed in integers,
     // determines the last digit.
 
-    /// Square root `√x`, correctly rounded; NaN for x < 0 and NaN.
+    /// Square root `√x`, correctly rounded. The result is NaN if x is negative or NaN.
     #[inline]
     pub fn sqrt(x: f64) -> f64 {
         if !(x > 0.0 && x < f64::INFINITY) {

@@ -86,8 +86,8 @@ impl<R: DrivenJoints<K>, T: Trajectory<K> + Copy, const K: usize> DrivenRobot<R,
         Self { robot: self.robot.with_driven(&self.driven_at(time)), time, ..*self }
     }
 
-    /// Position, velocity and acceleration of each driven joint at `time` (s) in rad or m and seconds. The values
-    /// are NaN if the time is not finite.
+    /// Position [rad or m], velocity [rad/s or m/s] and acceleration [rad/s² or m/s²] of each driven joint at
+    /// `time` (s). The values are NaN if the time is not finite.
     #[inline]
     #[must_use]
     pub fn driven_at(&self, time: f64) -> [[f64; 3]; K] {

@@ -28,8 +28,8 @@ pub enum Quantity {
     Effort,
     /// Input [N m, N or A].
     Input,
-    /// Sum `u + c ẏ` of the input u of a motor and of its slopes c times the velocities ẏ, in the unit of u.
-    /// The torque–speed line limits the magnitude of this sum.
+    /// Sum `u + c ẏ` with the input u of a motor, the slopes c of its torque–speed line and the velocities ẏ, in
+    /// the unit of u. The torque–speed line limits the magnitude of this sum.
     TorqueSpeed,
     /// Force that the trajectory requires at a coordinate, but that no input can produce [N m or N]. The robot
     /// cannot follow such a trajectory.
@@ -41,7 +41,7 @@ pub enum Quantity {
 pub struct Violation {
     /// Quantity that exceeds its limit.
     pub quantity: Quantity,
-    /// Index of the coordinate or input. An index i ≥ N stands for the follower i − N in
+    /// Index of the coordinate or input. An index i ≥ N refers to the follower i − N in
     /// [`Limits::dependent`](crate::dynamics::Limits::dependent).
     pub index: usize,
     /// Name of the coordinate, follower or input.

@@ -254,12 +254,8 @@ fn function(name: &str) -> Option<Unary> {
 
 fn unknown_function(name: &str, given: usize, range: Range<usize>) -> FormulaError {
     let (message, help) = match name {
-        "pow" | "powi" | "min" | "max" => {
-            (format!("`{name}` takes two arguments, but {given} are given"), None)
-        }
-        _ if function(name).is_some() => {
-            (format!("`{name}` takes one argument, but {given} are given"), None)
-        }
+        "pow" | "powi" | "min" | "max" => (format!("`{name}` takes two arguments, not {given}"), None),
+        _ if function(name).is_some() => (format!("`{name}` takes one argument, not {given}"), None),
         "signum" => (
             "`signum` is not a function of formulas".to_owned(),
             Some("write `sign(v)`, which is 0 at v = 0".to_owned()),

@@ -69,7 +69,7 @@ def test_options_are_checked_by_the_program(arm_file: Path) -> None:
         gelenk.load(arm_file, scalar="f16")
     with pytest.raises(TypeError, match="unexpected keyword argument 'no_gravity'"):
         gelenk.load(arm_file, no_gravity=True)
-    with pytest.raises(gelenk.DescriptionError, match="interfaces for tools that call C require a C module"):
+    with pytest.raises(gelenk.DescriptionError, match="are written in C, but the language is Rust"):
         gelenk.generate(arm_file, arm_file.parent / "arm.rs", tools=["python"])
 
 

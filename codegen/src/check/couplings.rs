@@ -1,5 +1,5 @@
-//! Couplings: joints that follow other joints, and drives that act on several joints. Their positions are
-//! `G y + g₀` with the coordinates y, ratios G and offsets g₀.
+//! Couplings: joints that follow other joints, and drives that act on several joints. The positions of these
+//! joints and of the drives' shafts are `G y + g₀` with the coordinates y, ratios G and offsets g₀.
 
 use super::tree::Tree;
 use crate::description::{FollowsDescription, Name, RobotDescription};

@@ -76,7 +76,7 @@ fn check_drive(joint: &JointDescription, report: &mut Report) {
         );
         report.help(
             "remove `drive`, because the motion of this joint is prescribed. `driving_forces` computes the required force. \
-             Describe a rotor as a body that follows the joint",
+             To keep the inertia of a rotor, add a joint that follows this joint (`follows`), and give its link this inertia",
         );
     }
     let mut limits = joint.limits.amounts().into_iter().filter_map(|(_, limit)| limit.as_ref());

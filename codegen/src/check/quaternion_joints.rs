@@ -18,12 +18,15 @@ pub(super) fn check(robot: &RobotDescription, report: &mut Report) {
     }
     for joint in &robot.joints {
         for followed in joint.follows.iter().flat_map(|follows| &follows.value) {
-            refuse_following(robot, &followed.joint, &joint.name, report);
+            let help = "a joint can only follow joints with one position";
+            refuse_following(robot, &followed.joint, &joint.name, help, report);
         }
     }
     for drive in &robot.drives {
         for followed in &drive.on {
-            refuse_following(robot, &followed.joint, &drive.name, report);
+            let help = "`on` accepts only joints with one position. For a torque on this joint, use `drive = \"ideal\"` at the \
+                        joint";
+            refuse_following(robot, &followed.joint, &drive.name, help, report);
         }
     }
     refuse_second_floating(robot, report);
@@ -90,7 +93,7 @@ impl Velocity<'_> {
     }
 }
 
-fn refuse_following(robot: &RobotDescription, followed: &Name, by: &Name, report: &mut Report) {
+fn refuse_following(robot: &RobotDescription, followed: &Name, by: &Name, help: &str, report: &mut Report) {
     let joint = robot.joints.iter().find(|joint| joint.name.value == followed.value);
     if let Some(part) = joint.and_then(|joint| joint.part_of.as_ref()) {
         let (kind, joint) = (part.kind.name(), &part.joint.value);
@@ -99,9 +102,7 @@ fn refuse_following(robot: &RobotDescription, followed: &Name, by: &Name, report
             by.value, followed.value
         );
         report.error(followed.span, "quaternion-joint", message);
-        report.help(
-            "only a joint with one position can be followed. For a torque on this joint, use `drive = \"ideal\"` at the joint",
-        );
+        report.help(help);
     }
 }
 

@@ -166,7 +166,7 @@ pub(super) fn folder(file: &Path) -> Result<PathBuf, Failure> {
     })
 }
 
-/// Path for comments in generated files, which must not depend on the machine. It is relative to the
+/// Path for comments in generated files. The path must not depend on the machine. It is relative to the
 /// workspace for files in models/. Other relative paths only lose components `.`. For other absolute paths it
 /// is the file name.
 pub(super) fn shown(path: &Path, workspace: Option<&Workspace>) -> String {

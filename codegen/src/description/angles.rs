@@ -36,7 +36,7 @@ pub(crate) fn is_beyond_turns(angle: f64) -> bool {
 }
 
 impl Angles {
-    /// Rotation from roll, pitch and yaw (rad), as in URDF. Notes name the angles by `owner`.
+    /// Rotation from roll, pitch and yaw (rad), as in URDF. In notes, `owner` is the name of the angles.
     pub fn rpy(&mut self, rpy: &At<[f64; 3]>, owner: &str) -> Rotation {
         let angles = rpy.value.map(|angle| self.snapped(angle));
         for angle in angles {
@@ -53,8 +53,8 @@ impl Angles {
         from_quaternion(quaternion, self.snap.unwrap_or(0.0))
     }
 
-    /// Returns an angle of a Denavit–Hartenberg row (rad), rounded if [`Self::snap`] is set. Notes name the
-    /// angle by `owner`.
+    /// Returns an angle of a Denavit–Hartenberg row (rad), rounded if [`Self::snap`] is set. In notes, `owner`
+    /// is the name of the angle.
     pub fn angle(&mut self, angle: &At<f64>, owner: &str) -> f64 {
         let value = self.snapped(angle.value);
         if self.remember(value, angle.span, owner) {

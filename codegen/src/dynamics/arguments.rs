@@ -14,9 +14,8 @@ pub struct Arguments<'g> {
     pub a: Vec<Scalar<'g>>,
     /// Inputs u: motor torques, motor currents, or forces at frames.
     pub u: Vec<Scalar<'g>>,
-    /// Multipliers λ, one for each generalized force. They weight the entries of the inverse dynamics: the
-    /// Hessian is that of `λᵀ(M ÿ + k − q)`, with the mass matrix M, the terms k of the equations of motion and
-    /// the applied forces q.
+    /// Multipliers λ, one for each generalized force, for the Hessian of `λᵀ (M ÿ + k − q)`. M is the mass
+    /// matrix, k are the Coriolis forces, and q are the applied forces.
     pub lambda: Vec<Scalar<'g>>,
     /// Prescribed accelerations of the driven coordinates.
     pub driven: Vec<Scalar<'g>>,

@@ -174,14 +174,14 @@ impl<'g> Equations<'_, 'g> {
         sum(&self.gravity_forces(y), &joint)
     }
 
-    /// Friction per unit of load by coordinate, without unit. The load is the drive's force without friction.
-    /// `None` if no joint has load-dependent friction.
+    /// Coefficients s₁ as in [`load_friction`](Self::load_friction). `None` if no joint has load-dependent
+    /// friction.
     pub(super) fn load_shares(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Option<Vec<Scalar<'g>>> {
         load_friction::is_there(self.model).then(|| load_friction::shares(self.graph, self.model, y, v))
     }
 
-    /// Friction per unit of load s₁(ẏ) by coordinate, without unit. The load is the drive's force without
-    /// friction, and the friction force is s₁ times its magnitude.
+    /// Coefficient s₁(y, ẏ) of load-dependent friction of each coordinate (no unit). The friction force is s₁
+    /// times the magnitude of the load. The load is the drive's force minus all friction.
     pub fn load_friction(&self, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
         load_friction::shares(self.graph, self.model, y, v)
     }

@@ -139,8 +139,8 @@ impl Formulation {
         Self { bodies: vec![choices; count] }
     }
 
-    /// Puts the bodies, joints and rotors on a graph, with the frames, masses and units of length of this
-    /// formulation.
+    /// Converts the mechanism's numbers to expressions of `graph`, in the frames, mass distribution and units
+    /// of length of this formulation.
     pub fn mechanism<'g>(&self, graph: &'g Graph, mechanism: &Mechanism<Number>) -> Mechanism<Scalar<'g>> {
         let regroup: Vec<_> = self.bodies.iter().map(|body| body.regroup).collect();
         let units: Vec<_> = self.bodies.iter().map(|body| body.length_unit).collect();

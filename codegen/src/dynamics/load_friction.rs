@@ -28,8 +28,8 @@ pub fn is_there(model: &Model) -> bool {
     model.joints().any(|joint| !joint.load_friction.is_empty())
 }
 
-/// Coefficients s₁ of load-dependent friction `|τ_l| s₁` by coordinate, without unit. The load τ_l is the
-/// drive's force without friction.
+/// Coefficient s₁ of load-dependent friction `|τ_l| s₁` of each coordinate (no unit). The load τ_l is the
+/// drive's force minus all friction.
 pub fn shares<'g>(graph: &'g Graph, model: &Model, y: &[Scalar<'g>], v: &[Scalar<'g>]) -> Vec<Scalar<'g>> {
     let joints = model.joints().enumerate();
     let share =

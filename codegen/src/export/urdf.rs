@@ -23,7 +23,7 @@ const OTHER_FRICTION: &str =
 const SPHERICAL: &str =
     "has the type `spherical` only as an extension. urdfdom and Pinocchio reject the whole file because of";
 const SEVERAL: &str =
-    "supports joints that follow one joint. These follow several and move freely in the file";
+    "supports only joints that follow one joint. These joints follow several and move freely in the file";
 
 struct Writer<'m> {
     model: &'m Model,
@@ -203,7 +203,7 @@ impl Writer<'_> {
             (!joint.springs.is_empty(), "has no springs. They are omitted at"),
             (
                 limits.effort.is_some() && limits.peak_effort.is_some(),
-                "has one force limit per joint. The nominal limit is omitted and the peak limit written at",
+                "has one force limit per joint. Only the peak limit is written at",
             ),
         ] {
             if is_lost {

@@ -56,8 +56,8 @@ pub fn moving_bodies<'g>(graph: &'g Graph, model: &Model) -> DescribedTree<'g> {
     tree
 }
 
-/// Moments of mass of the links of all carrying joints, in the order of these joints. Each is in the link's
-/// frame of the description. Rotors of held joints are included.
+/// Moments of mass of the link of each joint that carries a link, in the order of these joints. The moments of a
+/// link are in its frame of the description. Rotors of held joints are included.
 pub fn described_moments<'g>(graph: &'g Graph, model: &Model) -> Vec<MassMoments<Scalar<'g>>> {
     let tree = moving_bodies(graph, model);
     let mut moments = vec![MassMoments::zero(graph); model.moving_joints().len()];

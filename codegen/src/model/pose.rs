@@ -27,7 +27,7 @@ pub(crate) struct Unsaid {
 }
 
 impl Unsaid {
-    /// Returns `pose` with the parts that the description leaves out taken from `known`, the pose that `pose`
+    /// Completes `pose`: parts that the description leaves out are taken from `known`, the pose that `pose`
     /// replaces.
     pub fn filled(self, pose: Pose, known: Option<&Pose>) -> Pose {
         let Some(known) = known else { return pose };

@@ -177,8 +177,9 @@ impl Model {
         })
     }
 
-    /// Joints that carry a link of the description, each once, in the order of the moving joints. A joint
-    /// with a quaternion has the index of its last velocity.
+    /// The moving joints of the description, each once, in the order of the model. The model has one joint for
+    /// each velocity of a joint with a quaternion. Only the last of them carries the link, so `index` is the
+    /// index of the last velocity.
     #[must_use]
     pub fn carrying_joints(&self) -> Vec<CarryingJoint<'_>> {
         let moving = self.moving_joints().into_iter().enumerate();

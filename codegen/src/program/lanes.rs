@@ -1,5 +1,5 @@
-//! Divides a function over lanes (several states at once) into its angles with their sines and cosines, and
-//! parts without sines and cosines.
+//! Divides a function over lanes (several states at once) into two kinds of code: the angles with their sines and
+//! cosines, and parts without sines and cosines.
 
 use std::collections::BTreeSet;
 use std::ops::Range;

@@ -2,7 +2,7 @@
 
 use gelenk_formula::Hold;
 
-/// Options for reading a description. They act in addition to the keys of the description with the same names.
+/// Options for reading a description. They act in addition to keys with the same names in the description.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReadOptions {
     /// Makes mimic joints of a URDF or MJCF independent joints, which do not follow other joints.

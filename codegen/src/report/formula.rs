@@ -13,7 +13,7 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    /// Symbols with the same letter and index for position and velocity.
+    /// Position and velocity with the same letter and index, for example y₂ and ẏ₂.
     pub fn numbered(letter: char, number: usize) -> Self {
         Self { letter, position: number, velocity: number }
     }

@@ -92,7 +92,8 @@ fn drives_that_load_joints_together_are_refused_online() {
     );
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(
-        said.contains("error[not-replayed]") && said.contains("if the drives can load each joint separately"),
+        said.contains("error[not-replayed]")
+            && said.contains("if the drives can exert a force on each joint alone"),
         "{said}"
     );
 }

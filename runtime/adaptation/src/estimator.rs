@@ -114,7 +114,7 @@ impl JointState {
 const HISTORY: usize = MOST_DELAY + 2;
 
 /// Recursive estimator of the friction of a robot with N joints. The [crate](super) explains the method. Friction is learned
-/// for joints that a drive loads. Other joints keep the described law.
+/// for joints on which a drive acts. Other joints keep the described law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adaptation<const N: usize> {
     pub(super) settings: AdaptationSettings,
@@ -340,9 +340,9 @@ impl<const N: usize> Adaptation<N> {
         core::array::from_fn(|i| self.joints[i].as_ref().map_or([[0.0; TERMS]; TERMS], errors))
     }
 
-    /// Returns the friction of a joint by the learned law at the velocity `v` [rad/s or m/s], and the half
-    /// width of its 90 % confidence interval, both in N m or N. The friction includes the offset, but not
-    /// load-dependent friction. `None` for joints whose friction is not learned.
+    /// Returns the friction of a joint [N m or N] at the velocity `v` [rad/s or m/s] by the learned law, and the half width
+    /// [N m or N] of its 90 % confidence interval. The friction includes the offset, but not load-dependent friction. `None` for
+    /// joints whose friction is not learned.
     ///
     /// - `described`: described friction at this velocity [N m or N]
     #[must_use]
@@ -351,8 +351,8 @@ impl<const N: usize> Adaptation<N> {
         Some([described + dot(&phi, &state.learned), state.half_width(&phi)])
     }
 
-    /// Returns the friction of a joint [N m or N] by the acting law at the velocity `v` [rad/s or m/s]. The arguments are those
-    /// of [`Self::friction`].
+    /// Returns the friction of a joint [N m or N] at the velocity `v` [rad/s or m/s] by the acting law, which controllers use
+    /// ([crate documentation](crate)). The arguments are those of [`Self::friction`].
     #[must_use]
     pub fn acting_friction(&self, joint: usize, described: f64, v: f64) -> Option<f64> {
         let (state, phi) = (self.joints[joint].as_ref()?, self.terms(joint, described, v)?);

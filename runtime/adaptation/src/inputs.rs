@@ -1,14 +1,14 @@
-//! Check that the inputs of a robot can load each learned joint without loading other joints.
+//! Check that the inputs of a robot can exert a force on each learned joint alone.
 
 use super::settings::AdaptationError;
 use gelenk_dynamics::pseudo_inverse::pseudo_inverse;
 
-/// Returns the pseudo-inverse `B⁺` of an input matrix B (joint forces per unit of each input). The inputs must be able to load
-/// each learned joint k without loading other joints, `B B⁺ e_k = e_k` with the unit vector e_k.
+/// Returns the pseudo-inverse `B⁺` of an input matrix B (joint forces per unit of each input). The inputs must be able to exert
+/// a force on each learned joint k alone: `B B⁺ e_k = e_k` with the unit vector e_k.
 ///
 /// # Errors
-/// [`AdaptationError::Inputs`] if the inputs cannot load a learned joint separately, and for an empty, zero or non-finite
-/// matrix.
+/// [`AdaptationError::Inputs`] if the inputs cannot exert a force on a learned joint alone, and for an empty, zero or
+/// non-finite matrix.
 pub fn input_inverse<const N: usize, const M: usize>(
     matrix: &[[f64; M]; N],
     is_learned: impl Fn(usize) -> bool,

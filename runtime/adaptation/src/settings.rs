@@ -26,7 +26,7 @@ pub struct AdaptationSettings {
     /// Kalman filter runs for each time. Rates of change are correlated over a 4000th of the time.
     pub drift_times: [f64; 4],
     /// Time constant of leaky averages, in seconds of motion, at least 100 times [`Self::time_constant`].
-    /// They estimate the noise, the correlation of samples, the weights of the drift times, and the
+    /// The averages estimate the noise, the correlation of samples, the weights of the drift times, and the
     /// prediction errors.
     pub memory: f64,
     /// Time of motion (s) after which residuals outside the prediction interval of the learned law count as a change of the
@@ -124,9 +124,9 @@ pub enum AdaptationError {
         /// Name of the joint.
         name: &'static str,
     },
-    /// The inputs cannot load each learned joint separately, or the robot has inputs at frames or driven joints.
+    /// The inputs cannot exert a force on each learned joint alone, or the robot has inputs at frames or driven joints.
     #[error(
-        "friction can only be learned if the drives can load each joint separately; inputs at frames and driven \
+        "friction can only be learned if the drives can exert a force on each joint alone. Inputs at frames and driven \
          joints are not supported"
     )]
     Inputs,

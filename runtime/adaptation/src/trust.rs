@@ -10,8 +10,8 @@ const CONTRADICTED: f64 = 0.5;
 /// example, if a sign is wrong, no law within the bounds explains the torque.
 const UNEXPLAINED: f64 = 0.5;
 
-/// The law that acts at a joint, which controllers use, with the reason. For a [`LoadEstimator`](super::LoadEstimator), the
-/// learned law is the robot with the learned load, and the described law is the robot without load.
+/// The law that controllers use for a joint (the acting law), with the reason. For a [`LoadEstimator`](super::LoadEstimator),
+/// the learned law is the robot with the learned load, and the described law is the robot without load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trust {
     /// The described law acts, because fewer than 20 samples are available, or because the friction that was learned without

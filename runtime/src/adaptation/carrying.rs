@@ -9,9 +9,9 @@ use gelenk_adaptation::{AdaptationError, LoadEstimator};
 /// A controller that learns friction and P parameters of a load during motion.
 ///
 /// The joint torques of the model must be linear in the load parameters, for example in the mass at the tool.
-/// The regressor of [`LoadEstimator`] is the change of the inverse dynamics for a unit of each parameter,
-/// which takes P + 1 evaluations per period. Before each step of the inner controller, its model gets the
-/// [acting](LoadEstimator::acting) load parameters.
+/// The regressor of [`LoadEstimator`] is the change of the inverse dynamics for a unit of each parameter. Its
+/// computation needs P + 1 evaluations of the inverse dynamics per period. Before each step of the inner
+/// controller, its model gets the [acting](LoadEstimator::acting) load parameters.
 #[derive(Debug, Clone)]
 pub struct Carrying<C, D, const N: usize, const M: usize, const P: usize> {
     adaptive: Adaptive<C, D, N, M>,
@@ -21,11 +21,11 @@ pub struct Carrying<C, D, const N: usize, const M: usize, const P: usize> {
 }
 
 impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize, const P: usize> Carrying<C, D, N, M, P> {
-    /// Extends a controller that learns friction by a load.
+    /// Constructs a controller that learns a load, from a controller that learns friction.
     ///
     /// - `bounds`: smallest and largest value of each parameter, with 0 between them
-    /// - `loaded`: returns the model of the robot with load for the robot without load and the load parameters.
-    ///   Friction and input matrix must not depend on the load.
+    /// - `loaded`: function that returns the model of the robot with load. Its arguments are the robot without
+    ///   load and the load parameters. Friction and input matrix must not depend on the load.
     ///
     /// # Errors
     /// [`AdaptationError::Load`] if bounds are not finite or 0 is not between them.

@@ -92,8 +92,8 @@ pub struct Adaptive<C, D, const N: usize, const M: usize> {
 }
 
 impl<C, D: Dynamics<N, M> + Clone, const N: usize, const M: usize> Adaptive<C, D, N, M> {
-    /// Constructs the estimator for `robot`, and the inner controller by a call of `make` with the model of the
-    /// robot with learned friction.
+    /// Constructs the estimator for `robot`, and the inner controller. `make` returns the inner controller for the
+    /// model of the robot with learned friction.
     ///
     /// # Errors
     /// - The outer error is an [`AdaptationError`] if friction of this robot cannot be learned.

@@ -23,8 +23,8 @@ const STEP: f64 = 1e-6;
 ///
 /// Therefore forward dynamics and linearization are those of the described robot at the input `u − B⁺ τ_δ`.
 /// Derivatives of τ_δ are difference quotients. Load-dependent friction per unit of load is `s₁ (1 + δ₅)`, but at most
-/// `(1 + |s₁|)/2`, so that the load is unique for given inputs. The inputs must be able to load each learned joint without loading
-/// other joints.
+/// `(1 + |s₁|)/2`, so that the load is unique for given inputs. The inputs must be able to exert a force on each learned joint
+/// alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LearnedFriction<D, const N: usize, const M: usize> {
     robot: D,
@@ -94,7 +94,7 @@ impl<D: Dynamics<N, M>, const N: usize, const M: usize> LearnedFriction<D, N, M>
     ///
     /// # Errors
     /// [`AdaptationError::Inputs`] for robots with inputs at frames or driven joints, and if the inputs
-    /// cannot load a learned joint without loading other joints.
+    /// cannot exert a force on a learned joint alone.
     pub fn new(robot: D, adaptation: &Adaptation<N>) -> Result<Self, AdaptationError> {
         let matrix = robot.drive_matrix();
         let inverse = input_inverse(&matrix, |joint| adaptation.scales()[joint].is_some())?;

@@ -113,7 +113,7 @@ pub struct Estimate<const N: usize, const NY: usize = N> {
 /// Learned friction of a joint, for log and report.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LearnedJoint {
-    /// Learned friction at the given velocity, and half of its 90 % confidence interval [N m or N].
+    /// Learned friction [N m or N] at the given velocity, and the half width [N m or N] of its 90 % confidence interval.
     pub friction: [f64; 2],
     /// Learned terms with their confidence intervals, and the acting law.
     pub state: JointState,

@@ -47,8 +47,8 @@ pub struct LogRecord<const N: usize, const M: usize, const NY: usize = N> {
     pub lateness: u64,
     /// Times for reading, control, check and writing (ns).
     pub stages: [u64; 4],
-    /// Learned friction at `velocities`, half of its 90 % confidence interval [N m or N], and the acting law; `None`
-    /// for joints whose friction is not learned.
+    /// Learned friction [N m or N] at `velocities`, the half width [N m or N] of its 90 % confidence interval, and the
+    /// acting law; `None` for joints whose friction is not learned.
     pub learned: [Option<([f64; 2], Trust)>; N],
 }
 
@@ -110,8 +110,8 @@ pub const MAX_LOG_CAPACITY: usize = 1 << 20;
 /// - `measured_dq_NAME` …, `measured_tau_NAME` …: measured velocities and forces, if the robot measures them
 /// - `desired_NAME` …: desired positions
 /// - `u_NAME` …: inputs
-/// - `learned_NAME` …, `half_width_NAME` …, `trust_NAME` …: learned friction at the estimated velocity, half of
-///   its 90 % confidence interval, and the acting law, if any friction is learned
+/// - `learned_NAME` …, `half_width_NAME` …, `trust_NAME` …: learned friction at the estimated velocity, half
+///   width of its 90 % confidence interval, and the acting law, if any friction is learned
 /// - `source`, `believed`, `iterations`, `lateness_ns`, `read_ns`, `control_ns`, `check_ns`, `write_ns`
 ///
 /// [`LogRecord`] has the units. `q` and `desired` have one column for each position entry. Robots with

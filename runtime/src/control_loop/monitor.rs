@@ -9,7 +9,7 @@ use std::fmt;
 pub enum LimitFault {
     /// The position is outside its limits, or would be outside after braking.
     Position {
-        /// Index of the coordinate. An index i ≥ N stands for the joint i − N in
+        /// Index of the coordinate. An index i ≥ N refers to the joint i − N in
         /// [`LoopSettings::dependent_joints`](super::LoopSettings::dependent_joints).
         joint: usize,
         /// Name of the joint.
@@ -25,7 +25,7 @@ pub enum LimitFault {
     },
     /// The speed is above its limit.
     Speed {
-        /// Index of the coordinate. An index i ≥ N stands for the joint i − N in
+        /// Index of the coordinate. An index i ≥ N refers to the joint i − N in
         /// [`LoopSettings::dependent_joints`](super::LoopSettings::dependent_joints).
         joint: usize,
         /// Name of the joint.

@@ -15,7 +15,7 @@ mod tests;
 
 pub use hold::{ZeroOrderHolds, instructions};
 
-/// Calls the fastest version of a generated function for eight states that this processor supports. The three
+/// Calls a generated function for eight states, in the fastest version that this processor supports. The three
 /// versions are for any processor, for AVX2, and for AVX-512.
 ///
 /// The option `--lanes linearize` generates `linearize_lanes`, and on x86-64 also `linearize_lanes_avx2` and

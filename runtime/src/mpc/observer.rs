@@ -119,8 +119,8 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         Ok(observer)
     }
 
-    /// Restarts at a known state [rad or m; rad/s or m/s] without disturbance. The initial covariance is that of the
-    /// noise of one period. For positions, the encoder noise is added.
+    /// Restarts at known positions [rad or m] and velocities [rad/s or m/s] without disturbance. The initial
+    /// covariance is that of the noise of one period. For positions, the encoder noise is added.
     pub fn reset(&mut self, positions: &[f64; NY], velocities: &[f64; N]) {
         (self.positions, self.velocities) = (*positions, *velocities);
         self.disturbance = [0.0; M];

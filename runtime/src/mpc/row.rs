@@ -13,8 +13,9 @@ use std::fmt;
 ///
 /// at the sample times of the horizon. A row with inputs applies from the present time on, with the positions and
 /// velocities at the beginning of each period. A row without inputs applies from the next sample time on, because
-/// the present state cannot be changed. The velocity changes during a period, but the limit is only kept at its
-/// beginning. If a drive has no reserve, choose a limit with a margin for this change.
+/// the present state cannot be changed. The limit is kept only at the beginning of a period, but the velocity
+/// changes during the period. If the drive cannot exceed the limit even for a short time, choose a lower limit with
+/// a margin for this change.
 ///
 /// ```
 /// use gelenk_runtime::control_loop::{Controller, Cycle};

@@ -47,7 +47,7 @@ pub struct MotionLimits<const N: usize> {
     /// [`ViaPoints`](super::ViaPoints) keeps these limits. Joints that follow one coordinate are not listed, because their
     /// limits are part of the limits of this coordinate. Joints that follow driven joints are not listed either.
     pub dependent: &'static [DependentJoint<N>],
-    /// Share (0 to 1) of the speed limits of the followers that may be used.
+    /// Usable share (0 to 1) of the speed limits of the followers.
     pub dependent_share: f64,
 }
 

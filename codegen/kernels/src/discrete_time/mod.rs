@@ -31,7 +31,8 @@ pub mod shared {
     pub const MOST_DOUBLINGS: u32 = super::MOST_DOUBLINGS;
     /// Number of terms in each of the three parts of the Taylor polynomial of `Φ = ∫ exp(A s) ds`.
     pub const TERMS: usize = super::TERMS;
-    /// Coefficients `1/(k + 1)!` of the three parts of the Taylor polynomial of `Φ = ∫ exp(A s) ds`.
+    /// Coefficients `1/(k + 1)!` of the Taylor polynomial of `Φ = ∫ exp(A s) ds` for k = 0 … 17. The
+    /// polynomial is evaluated in three parts with six successive powers each, which saves matrix products.
     pub const COEFFICIENTS: [[f64; TERMS]; 3] = super::COEFFICIENTS;
 
     /// Number of halvings of the period \[s\] after which the Taylor polynomial of `exp(A s)` is accurate;

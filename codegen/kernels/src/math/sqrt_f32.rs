@@ -1,7 +1,7 @@
 // Square root for f32, correctly rounded, computed in f32 and integers of 32 bits (with the method of
 // sqrt.rs).
 
-/// Square root `√x`, correctly rounded; NaN for x < 0 and NaN.
+/// Square root `√x`, correctly rounded. The result is NaN if x is negative or NaN.
 #[inline]
 pub fn sqrt_f32(x: f32) -> f32 {
     if !(x > 0.0 && x < f32::INFINITY) {

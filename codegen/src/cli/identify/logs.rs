@@ -148,7 +148,7 @@ fn about<'a>(
     (!names.is_empty()).then(|| rule.found(said(list(names.into_iter()))))
 }
 
-/// Returns the finding about wrenches of the description, which are assumed to be zero.
+/// Returns the finding that wrenches of the description are assumed to be zero.
 fn without_wrenches(model: &Model) -> Option<Finding> {
     about(WRENCHES, model.wrenches.iter().map(|wrench| wrench.name.as_str()), |names| {
         format!(
@@ -170,7 +170,7 @@ fn as_described(arguments: &Identify, model: &Model, robot: &InterpretedRobot) -
     })
 }
 
-/// Returns the finding about friction of joints that follow others, which is not identified.
+/// Returns the finding that friction of joints that follow others is not identified.
 fn friction_of_followers(model: &Model) -> Option<Finding> {
     let joints = model.links.iter().filter_map(|link| link.joint.as_ref());
     let follows = |joint: &&Joint| matches!(joint.motion, Motion::Follower(_)) && !joint.friction.is_empty();

@@ -5,7 +5,7 @@
 //! from the first to the last. An independent column starts a new group. A dependent column is added to the
 //! groups of the earlier columns on which it depends, so parameters move towards the base. The method is
 //! numerical, because the known rules do not cover branches with special axes or gravity along an axis. The
-//! states have a fixed seed and sums a fixed order, so the groups are the same on every platform.
+//! seed of the states and the order of all sums are fixed, so the groups are the same on every platform.
 //!
 //! If free lengths, gear ratios or gravity enter the regressor, groups are formed at several values of these
 //! parameters. A coefficient that differs between the values is not constant, for example the factor i² of a
@@ -61,7 +61,8 @@ pub struct BaseParameters {
     pub terms: Vec<Term>,
 }
 
-/// A term of a base parameter, which is the sum of coefficient times inertial parameter over its group.
+/// A term of a base parameter: a coefficient times an inertial parameter. The base parameter is the sum of the
+/// terms of its group.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Term {
     /// Index of the base parameter to which the term belongs.

@@ -137,9 +137,9 @@ fn turn_between<'g>(
     Some(offset.advance((sine, cosine)))
 }
 
-/// Whether a body's parent is on the base with a revolute joint, and the axes of both joints are not
-/// parallel. Only the torque at the parent's joint is then needed from a wrench that is passed to this
-/// parent.
+/// Whether the joint of a body's parent is revolute, connects the parent to the base, and is not parallel to
+/// the body's joint. Then the recursion ends at the parent, and needs only the torque about the parent's
+/// joint axis, not the whole wrench.
 pub fn ends_at_root(mechanism: &Mechanism<Scalar<'_>>, body: usize) -> bool {
     let child = &mechanism.bodies[body];
     let root = child.parent.map(|parent| &mechanism.bodies[parent]);

@@ -6,7 +6,7 @@ use crate::dynamics::formulation::{
 };
 use crate::kinematics::{Body, JointAxis, Mechanism, Number, RegroupChoice, SHORTEST_LEVER};
 
-/// Choices between ways to write the equations that are available for a mechanism.
+/// Available choices for writing the equations of a mechanism.
 #[derive(Debug, Clone)]
 pub struct SearchSpace {
     has_quaternions: bool,

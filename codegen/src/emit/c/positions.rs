@@ -1,4 +1,4 @@
-//! Prints the functions of positions with quaternions, which are fixed texts.
+//! Prints the functions of positions with quaternions. The functions are fixed texts.
 
 use gelenk_kernels::manifold::{Text, c_bodies};
 

@@ -1,5 +1,5 @@
 //! Prints `linearize` of robots with loops over joints: a call of `forward_dynamics_derivatives`, and code
-//! that computes the results of `linearize` from its results.
+//! that computes the linearization from the results of this call.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};

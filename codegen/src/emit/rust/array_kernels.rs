@@ -1,4 +1,4 @@
-//! Texts of loops over joints, which are included in modules whose functions use them.
+//! Texts of loops over joints. A module includes the texts that its functions use.
 
 use super::pasted;
 use crate::emit::arrays::Row;

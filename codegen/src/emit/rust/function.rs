@@ -1,5 +1,5 @@
-//! Prints a function as straight-line code, for one state or also for several states (lanes), or as loops
-//! over joints.
+//! Prints a function as straight-line code or as loops over joints. Straight-line code may also be printed for
+//! several states (lanes).
 
 use proc_macro2::{Ident, TokenStream};
 

@@ -1,4 +1,4 @@
-//! Attributes that except printed items from lints.
+//! Attributes that switch lints off for printed items.
 
 use proc_macro2::TokenStream;
 use quote::quote;

@@ -8,7 +8,7 @@ use crate::export::numbers::{Placed, Values};
 use crate::export::xml::{Attributes, numbers};
 use crate::model::{Attachment, Drive, ForceEffect, Input};
 
-const TORQUES: &str = "has one range per input. The nominal torque is omitted and the peak torque written at";
+const TORQUES: &str = "has one range per input. Only the peak torque is written at";
 const POINT_FORCE: &str = "has only linear springs and dampers between sites. Other laws are omitted at";
 const SHAFT: &str = "has only viscous and dry friction of tendons. Other laws are omitted at the drive";
 

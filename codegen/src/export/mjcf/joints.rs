@@ -13,11 +13,10 @@ const OTHER_FRICTION: &str =
 const OTHER_SPRINGS: &str = "has only linear springs and dampers. Other laws are omitted at";
 const LOAD: &str = "has no load-dependent friction. It is omitted at";
 pub(super) const SPEED: &str = "has no limits of speed, acceleration or jerk. They are omitted at";
-const EFFORT: &str =
-    "has one force limit per joint. The nominal limit is omitted and the peak limit written at";
+const EFFORT: &str = "has one force limit per joint. Only the peak limit is written at";
 const RANGE: &str = "has no range with a single position. It is omitted at";
-const QUATERNION_FRICTION: &str =
-    "has one damping value per joint with a quaternion. Different friction of its velocities is omitted at";
+const QUATERNION_FRICTION: &str = "has one damping value for all velocities of a ball or free joint. Friction that differs \
+                                   between the velocities, or is not viscous, is omitted at";
 
 impl Writer<'_> {
     /// Writes the joint that carries a link. Returns whether the joint moves.

@@ -1,8 +1,8 @@
 //! Writes rotors as armatures, or as separate bodies if an armature would change the robot.
 //!
-//! A rotor with axial inertia J that turns by Ω relative to its carrier has the energy `J/2 (a · ω + Ω)²`. ω
-//! is the carrier's angular velocity, and a the rotor's axis. An armature has the energy `J/2 Ω²`, which is
-//! equal if the carrier does not turn. Otherwise the rotor becomes a body on its carrier, with a joint that
+//! A rotor with the axial inertia J and the speed Ω relative to its carrier has the energy `J/2 (a · ω + Ω)²`.
+//! ω is the carrier's angular velocity, and a is the rotor's axis. An armature has the energy `J/2 Ω²`, which
+//! is equal if the carrier does not turn. Otherwise the rotor becomes a body on its carrier, with a joint that
 //! follows the joints of its drive. MuJoCo requires inertia across the axis, so the rotor gets such an
 //! inertia and its carrier gets less.
 

@@ -8,7 +8,7 @@ use crate::model::Model;
 /// A kind of robots, for example those with prescribed motions of joints: its condition, its additional
 /// functions, and the functions and products that differ or are missing.
 pub struct Kind {
-    /// Property of these robots in documentation, for example `driven joints` after "robots with".
+    /// Property of these robots, for example `driven joints`. Documentation prints it after "robots with".
     pub robots: &'static str,
     /// Code of the errors about missing functions.
     pub code: &'static str,

@@ -21,9 +21,9 @@ const OTHER_RATE: f64 = 0.01;
 /// accurate enough.
 const LARGEST_JITTER: f64 = 0.1;
 
-/// Function that returns the described forces at positions y (rad or m), velocities ẏ (per s) and
-/// accelerations ÿ (per s²), for example [`DescribedForces::at`](super::DescribedForces::at). It returns three
-/// vectors with an entry for each joint:
+/// Function that returns the described forces at positions y (rad or m), velocities ẏ (rad/s or m/s) and
+/// accelerations ÿ (rad/s² or m/s²), for example [`DescribedForces::at`](super::DescribedForces::at). It
+/// returns three vectors with an entry for each joint:
 ///
 /// - forces of the inverse dynamics including friction, in N·m or N
 /// - friction without its load-dependent part, in N·m or N
@@ -67,8 +67,8 @@ pub struct OnlineSample {
     pub prediction: Prediction,
     /// Prediction error in N·m or N of the acting law, which a controller would have used.
     pub acting: f64,
-    /// Learned friction at the speed [`JointReplay::speed`] after this sample, and the half width of its 90 %
-    /// interval, both in N·m or N.
+    /// Learned friction (N·m or N) at the speed [`JointReplay::speed`] after this sample, and the half width
+    /// (N·m or N) of its 90 % confidence interval.
     pub friction: [f64; 2],
     /// Friction of the acting law (which a controller would use) at the speed [`JointReplay::speed`] after
     /// this sample, in N·m or N.

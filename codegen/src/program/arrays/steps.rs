@@ -257,9 +257,9 @@ impl Arrays {
         self.over(self.arrays[array].over)
     }
 
-    /// Whether a matrix over coordinates is zero for all pairs of coordinates that are not on one path. Other
-    /// matrices belong to forces that depend on another branch, for example the friction of a shaft that
-    /// moves two branches.
+    /// Whether an entry (i, j) of a matrix is zero if neither coordinate is on the path from the other to the
+    /// base. This is false e.g. for the friction of a shaft that moves two branches, because its force on one
+    /// branch depends on the other.
     #[must_use]
     pub fn is_over_paths(&self, array: ArrayId) -> bool {
         let Some(output) = self.setup.outputs.get(array) else {

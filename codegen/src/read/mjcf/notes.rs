@@ -13,7 +13,7 @@ pub(super) const ACTUATOR_RANGE: Remark = Remark::note(
 );
 pub(super) const EFFORT_RANGE: Remark = Remark::note(
     "effort-range",
-    "asymmetric force ranges of joints were reduced to the smaller side, or omitted if they exclude 0",
+    "asymmetric force ranges of joints were replaced by ± their smaller bound, or omitted if they exclude 0",
 );
 pub(super) const ELASTIC: Remark =
     Remark::warning("elastic-skipped", "deformable bodies and forces of plugins were omitted");

@@ -43,8 +43,8 @@ pub(super) const LIMIT_UNUSABLE: Remark =
     Remark::warning("limit-unusable", "limits that are reversed, equal or negative were ignored");
 pub(super) const PLANAR_LIMITS: Remark = Remark::note(
     "planar-limits",
-    "limits of joints with several degrees of freedom were ignored, because they do not name a motion. A TOML file can give \
-     limits for each part",
+    "limits of joints with several degrees of freedom were ignored, because a URDF does not state which of the motions \
+     they limit. A TOML file can give limits for each part",
 );
 pub(super) const REDUCTION_IGNORED: Remark = Remark::note(
     "transmission-ignored",
@@ -52,7 +52,7 @@ pub(super) const REDUCTION_IGNORED: Remark = Remark::note(
 );
 pub(super) const ROTOR_READ: Remark = Remark::note(
     "rotor-read",
-    "rotors of transmissions were read as inertias i² J at their joints, where the inputs act",
+    "rotors of transmissions were read as inertias i² J at their joints (gear ratio i, rotor inertia J), where the inputs act",
 );
 pub(super) const SPHERICAL_WITHOUT_DRIVE: Remark = Remark::note(
     "spherical-without-drive",

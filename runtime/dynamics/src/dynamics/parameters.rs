@@ -9,7 +9,7 @@ pub trait NoFreeParameters {}
 
 impl NoFreeParameters for () {}
 
-/// A call compiles only if the module has no free parameters. The macro [`dynamics!`](crate::dynamics!) uses it to require a
-/// field for them.
+/// Compiles only for a module without free parameters. The macro [`dynamics!`](crate::dynamics!) calls this function, so that a
+/// module with free parameters needs a field for their values.
 #[doc(hidden)]
 pub const fn without_parameters<P: NoFreeParameters>() {}

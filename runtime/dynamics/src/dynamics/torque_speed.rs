@@ -14,8 +14,7 @@ pub struct TorqueSpeedLine<const N: usize> {
 }
 
 impl<const N: usize> TorqueSpeedLine<N> {
-    /// The sum `u + c ẏ` of the input u and of the slopes c times the velocities ẏ, which must be within
-    /// ±[`Self::limit`].
+    /// The sum `u + c ẏ` with the input u, the slopes c and the velocities ẏ. It must be within ±[`Self::limit`].
     #[must_use]
     pub fn value(&self, input: f64, velocities: &[f64; N]) -> f64 {
         input + self.slopes.iter().zip(velocities).map(|(slope, v)| slope * v).sum::<f64>()

@@ -143,8 +143,8 @@ pub trait Dynamics<const N: usize, const M: usize, const NY: usize = N> {
         f(self)
     }
 
-    /// Position, velocity and acceleration of each driven joint [rad or m, and seconds]. The result is empty for robots without
-    /// driven joints, and if the motion is unknown.
+    /// Position [rad or m], velocity [rad/s or m/s] and acceleration [rad/s² or m/s²] of each driven joint. The result is empty
+    /// for robots without driven joints, and if the motion is unknown.
     #[inline]
     fn driven_motion(&self) -> &[[f64; 3]] {
         &[]

@@ -17,7 +17,7 @@ pub enum Offsets {
 }
 
 /// Part of the robot's weight that recorded efforts contain. In the equations, z is the recorded effort, W is the regressor,
-/// W₀ is the regressor at rest, and π are the inertial parameters. The dots stand for friction, offset and other forces.
+/// W₀ is the regressor at rest, and π are the inertial parameters. The dots are friction, offset and other forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Gravity {
     /// The recorded efforts z contain the robot's weight: `z = W π + …` with the regressor W and the inertial

@@ -13,7 +13,7 @@ pub struct PlanSettings {
     pub position_share: f64,
     /// Usable share of the described speeds; above 0, at most 1.
     pub velocity_share: f64,
-    /// Usable share of the described efforts, which the described robot does not exceed in the motion; above 0, at most 1.
+    /// Usable share of the described efforts; above 0, at most 1. The described robot does not exceed it in the motion.
     pub effort_share: f64,
     /// Largest acceleration [rad/s² or m/s²]. If it is `None`, a joint may reach twice its usable speed in one second.
     pub acceleration: Option<f64>,

@@ -66,7 +66,7 @@ pub struct ReducedLog {
     pub bandwidth: f64,
     /// Least and largest delay that was removed from an effort \[s\].
     pub delays: [f64; 2],
-    /// Largest correlation time over all joints of the residuals of the fit to this log \[samples\].
+    /// Largest correlation time \[samples\] of the residuals of the fit to this log, over all joints.
     pub correlation: f64,
 }
 

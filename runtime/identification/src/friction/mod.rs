@@ -53,7 +53,7 @@ impl FrictionIdentification {
     /// - [`Shape`](crate::IdentificationError::Shape), [`NotFinite`](crate::IdentificationError::NotFinite): lengths that
     ///   differ, or values that are not finite
     /// - [`Constant`](crate::IdentificationError::Constant): a velocity that never changes
-    /// - [`Setting`](crate::IdentificationError::Setting): a setting out of its range
+    /// - [`Setting`](crate::IdentificationError::Setting): a setting out of its range, or runs that overlap or leave gaps
     /// - [`Collinear`](crate::IdentificationError::Collinear), [`ZeroColumn`](crate::IdentificationError::ZeroColumn),
     ///   [`EverythingRemoved`](crate::IdentificationError::EverythingRemoved): terms that are collinear or zero, or a
     ///   threshold or λ that removes every term
@@ -90,7 +90,9 @@ fn check_runs(data: &FrictionData, samples: usize) -> Result<()> {
     let Some(runs) = data.runs else { return Ok(()) };
     let mut end = 0;
     for run in runs {
-        require_length(&format!("first sample of a run of {}", data.joint), end, run.start)?;
+        let name = format!("first sample of a run of {}", data.joint);
+        let requirement = format!("it must be {end}, because runs must not overlap or leave gaps");
+        require_setting(&name, run.start as f64, run.start == end, &requirement)?;
         require_samples(&format!("a run of {}", data.joint), 1, run.len())?;
         end = run.end;
     }

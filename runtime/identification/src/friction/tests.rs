@@ -104,7 +104,7 @@ fn runs_must_cover_the_samples() {
     let bad = [0..10, 11..6000];
     let data = FrictionData { runs: Some(&bad), velocities: &v, torques: &torque, ..FrictionData::default() };
     let message = FrictionIdentification::new().unwrap().identify(&data).unwrap_err().to_string();
-    assert!(message.contains("first sample of a run of : 10 are expected, but 11 are given"), "{message}");
+    assert!(message.contains("= 11 is not possible: it must be 10, because runs must not"), "{message}");
 }
 
 #[test]

@@ -16,7 +16,7 @@ pub struct Library {
 }
 
 impl Library {
-    /// Compiles the expressions `terms`, in which the names of `channels` stand for signals.
+    /// Compiles the expressions `terms`, in which the names of `channels` refer to signals.
     ///
     /// # Errors
     /// - [`IdentificationError::Empty`]: there are no terms

@@ -29,7 +29,7 @@ pub struct Payload {
     pub parameters: [Uncertain; PER_BODY],
     /// For each of [`Self::parameters`], whether the motion determines it. A parameter counts as determined if its interval is
     /// narrower than the range of this parameter among bodies with the mass of the load. If the motion determines the mass, the
-    /// other parameters are those of a ball of 1500 kg/m³ at the centre of mass.
+    /// undetermined parameters are those of a ball of 1500 kg/m³ at the centre of mass.
     pub shown: [bool; PER_BODY],
     /// For each joint, the share of a residual sum of squares that the load explains. The residual is that of the log with the
     /// load, if the load is zero and friction is unchanged. A share of one is best. If the share is zero or less, the load

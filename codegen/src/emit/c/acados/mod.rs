@@ -2,7 +2,7 @@
 //!
 //! acados calls generic functions `int f(void **in, void **out, void *params)`. Vectors and matrices are
 //! types of BLASFEO. Their storage depends on the processor, so the source accesses them with macros of the
-//! headers of acados. `setup.rs` prints the Python file, and `python.rs` prints the literals in this file.
+//! headers of acados. `setup.rs` prints the Python file, and `python.rs` prints its literals.
 
 mod python;
 mod setup;

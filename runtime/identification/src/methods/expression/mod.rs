@@ -178,6 +178,6 @@ mod tests {
         assert!(message("tan(v)").contains("unknown function `tan`; did you mean `tanh`?"));
         assert!(message("v + (v < 1)").contains("a number is needed here, not a truth value"));
         assert!(message("v + ").starts_with("expression `v + `"));
-        assert!(message("abs(v, v)").contains("takes one argument, but 2 are given"));
+        assert!(message("abs(v, v)").contains("takes one argument, not 2"));
     }
 }

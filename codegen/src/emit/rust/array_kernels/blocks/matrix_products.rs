@@ -1,5 +1,5 @@
-/// Product `to = −left right`, six rows by K columns at a time. If there were fewer sums, they would wait for
-/// each other.
+/// Product `to = −left right`, six rows by K columns at a time. With fewer sums at a time, each addition would
+/// wait for the previous one.
 #[inline]
 pub fn negative_product<const N: usize, const L: usize, const W: usize>(
     left: &[[f64; L]; N],

@@ -1,5 +1,5 @@
-/// Product `to = −left right`, six rows by K columns at a time. If there were fewer sums, they would wait for
-/// each other.
+/// Product `to = −left right`, six rows by K columns at a time. With fewer sums at a time, each addition would
+/// wait for the previous one.
 ///
 /// - `rows_of`: for each block of columns, the rows of `right` that are non-zero in this block
 #[inline]
