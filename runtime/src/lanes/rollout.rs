@@ -1,5 +1,9 @@
 //! Runge–Kutta steps with derivatives, for several robots at a time. Each number (lane) of a vector belongs to one robot.
 
+mod chart;
+
+use chart::Chart;
+
 use super::hold::instructions;
 use super::packed::{pack, unpack};
 use super::product::{Blocks, Half, Start, entries, entries_mut, sum};
@@ -60,7 +64,8 @@ fn add_scaled<V: Vector>(sum: &mut [V], factor: V, numbers: &[V]) {
     }
 }
 
-/// Integration of four robots. Motions are pairs of positions and velocities.
+/// Integration of four robots. Motions are pairs of positions and velocities. The positions of robots with quaternions are
+/// displacements from the beginning of the step.
 #[derive(Debug, Clone)]
 struct Rollout<V, const N: usize, const M: usize> {
     /// Motion at the beginning of the step.
@@ -73,10 +78,12 @@ struct Rollout<V, const N: usize, const M: usize> {
     /// Derivatives of the accelerations with respect to positions and velocities.
     by_state: Half<V, N>,
     u: [V; M],
+    /// Positions on the manifold, for robots with quaternions.
+    chart: Option<Chart<V, N, M>>,
 }
 
 impl<V: Vector, const N: usize, const M: usize> Rollout<V, N, M> {
-    fn new() -> Self {
+    fn new(has_quaternions: bool) -> Self {
         let zero = Motion::zero();
         Self {
             start: [zero; 2],
@@ -85,44 +92,57 @@ impl<V: Vector, const N: usize, const M: usize> Rollout<V, N, M> {
             acceleration: zero,
             by_state: zero.by_state,
             u: [V::zero(); M],
+            chart: has_quaternions.then_some(Chart { positions: [zero; 2], rate: zero }),
         }
     }
 
     fn begin<const NY: usize>(&mut self, points: [&Point<N, M, NY>; WIDTH]) {
         vectorized!(V, {
             let [y, v] = &mut self.start;
-            pack(entries_mut(&mut y.value), points.map(|point| &point.positions[..]));
             pack(entries_mut(&mut v.value), points.map(|point| &point.velocities[..]));
             pack(&mut self.u, points.map(|point| &point.inputs[..]));
-            y.begin(0);
             v.begin(1);
+            if let Some(chart) = &mut self.chart {
+                chart.begin();
+            } else {
+                pack(entries_mut(&mut y.value), points.map(|point| &point.positions[..]));
+                y.begin(0);
+            }
             (self.stage, self.end) = (self.start, self.start);
         });
     }
 
-    /// Processes stage `index` of a step of length `h` (s). `linear` are the robots at the states of the stage.
-    fn advance<const NY: usize>(&mut self, linear: [&Linearization<N, M, NY>; WIDTH], index: usize, h: f64) {
+    /// Processes a stage of a step of length `h` (s): stage `done % 4`, if `done` stages are done since the begin. `linear`
+    /// are the robots at the states of the stage.
+    fn advance<const NY: usize>(&mut self, linear: [&Linearization<N, M, NY>; WIDTH], done: usize, h: f64) {
         vectorized!(V, {
-            self.accelerate(linear);
-            let Self { start, stage: [y, v], end, acceleration, .. } = self;
-            end[0].add(WEIGHTS[index] * h, v);
+            self.accelerate(linear, done == 0);
+            let index = done % TIMES.len();
+            let Self { start, stage: [y, v], end, acceleration, chart, .. } = self;
+            let rate = match chart {
+                Some(chart) if index > 0 => &chart.rate,
+                _ => &*v,
+            };
+            end[0].add(WEIGHTS[index] * h, rate);
             end[1].add(WEIGHTS[index] * h, acceleration);
             if let Some(time) = TIMES.get(index + 1) {
                 *y = start[0];
-                y.add(time * h, v);
+                y.add(time * h, rate);
                 *v = start[1];
                 v.add(time * h, acceleration);
             } else {
-                *start = *end;
-                [*y, *v] = *end;
+                (*start, self.stage) = (*end, *end);
             }
         });
     }
 
-    /// Computes the accelerations and their derivatives by the chain rule.
+    /// Computes the accelerations and their derivatives by the chain rule. At the initial state the derivatives of the
+    /// motion are unit matrices, which leave those of `linear`.
     #[inline(always)]
-    fn accelerate<const NY: usize>(&mut self, linear: [&Linearization<N, M, NY>; WIDTH]) {
-        let Self { stage: [y, v], acceleration: a, by_state, u, .. } = self;
+    fn accelerate<const NY: usize>(&mut self, linear: [&Linearization<N, M, NY>; WIDTH], is_initial: bool) {
+        let Self { stage: [y, v], acceleration: a, by_state, u, chart, .. } = self;
+        // With quaternions, the affine part refers to the displacement 0, which is the value of these positions.
+        let y = chart.as_ref().map_or(&*y, |chart| &chart.positions[1]);
         for i in 0..N {
             let [by_y, by_v] = &mut by_state[i];
             pack(by_y, linear.map(|linear| &linear.by_coordinates[i][..]));
@@ -137,6 +157,10 @@ impl<V: Vector, const N: usize, const M: usize> Rollout<V, N, M> {
         }
         let (rest, by_inputs) = (a.value, a.by_inputs);
         sum(&mut a.value, Start::Scaled(1.0, &rest), by_state, &[(0, &y.value), (1, &v.value)]);
+        if is_initial {
+            a.by_state = *by_state;
+            return;
+        }
         sum(
             &mut a.by_inputs,
             Start::Scaled(1.0, &by_inputs),
@@ -146,20 +170,43 @@ impl<V: Vector, const N: usize, const M: usize> Rollout<V, N, M> {
         sum(&mut a.by_state, Start::Zero, by_state, &[(0, &y.by_state), (1, &v.by_state)]);
     }
 
-    /// Writes the states of the present stage.
-    fn write_states<const NY: usize>(&self, points: &mut [Point<N, M, NY>; WIDTH]) {
-        let [y, v] = &self.stage;
+    /// Writes the states of the present stage. `starts` are the positions at the beginning of the step. After the last stage
+    /// the next step begins.
+    fn write_states<const NY: usize>(
+        &mut self,
+        model: &impl Discretizable<N, M, NY>,
+        starts: &mut [Point<N, M, NY>; WIDTH],
+        points: &mut [Point<N, M, NY>; WIDTH],
+        is_last: bool,
+    ) {
+        let Self { start, stage: [y, v], end, chart, .. } = self;
+        if let Some(chart) = chart {
+            chart.place(model, [y, v], starts, points);
+            if is_last {
+                chart.continue_from(starts, points);
+                [start[0], end[0]] = [Motion::zero(); 2];
+            }
+        }
         vectorized!(V, {
-            unpack(entries(&y.value), points.each_mut().map(|point| &mut point.positions[..]));
+            if chart.is_none() {
+                unpack(entries(&y.value), points.each_mut().map(|point| &mut point.positions[..]));
+            }
             unpack(entries(&v.value), points.each_mut().map(|point| &mut point.velocities[..]));
         });
     }
 
     /// Writes the state at the end of the last step and its derivatives.
-    fn write_steps<const NY: usize>(&self, steps: &mut [Step<N, M, NY>; WIDTH]) {
+    fn write_steps<const NY: usize>(
+        &self,
+        points: &[Point<N, M, NY>; WIDTH],
+        steps: &mut [Step<N, M, NY>; WIDTH],
+    ) {
         let [y, v] = &self.end;
+        let y = self.chart.as_ref().map_or(y, |chart| &chart.positions[0]);
+        for (step, point) in steps.iter_mut().zip(points) {
+            step.coordinates = point.positions;
+        }
         vectorized!(V, {
-            unpack(entries(&y.value), steps.each_mut().map(|step| &mut step.coordinates[..]));
             unpack(entries(&v.value), steps.each_mut().map(|step| &mut step.velocities[..]));
             for (half, motion) in [y, v].into_iter().enumerate() {
                 for i in 0..N {
@@ -175,7 +222,7 @@ impl<V: Vector, const N: usize, const M: usize> Rollout<V, N, M> {
     }
 }
 
-/// Memory for the integration of up to [`TOGETHER`] robots without quaternions.
+/// Memory for the integration of up to [`TOGETHER`] robots.
 #[derive(Debug, Clone)]
 struct Group<V, const N: usize, const M: usize, const NY: usize> {
     rollouts: Vec<Rollout<V, N, M>>,
@@ -186,10 +233,8 @@ struct Group<V, const N: usize, const M: usize, const NY: usize> {
 }
 
 impl<V: Vector, const N: usize, const M: usize, const NY: usize> Group<V, N, M, NY> {
-    /// Memory, which robots with quaternions do not need.
     fn new() -> Self {
         const { assert!(V::WIDTH == WIDTH && TOGETHER.is_multiple_of(WIDTH), "each lane has one robot") };
-        let robots = if N == NY { TOGETHER } else { 0 };
         let step = Step {
             coordinates: [0.0; NY],
             velocities: [0.0; N],
@@ -197,11 +242,11 @@ impl<V: Vector, const N: usize, const M: usize, const NY: usize> Group<V, N, M, 
             input: [[[0.0; M]; N]; 2],
         };
         Self {
-            rollouts: vec![Rollout::new(); robots / WIDTH],
-            starts: Vec::with_capacity(robots),
-            points: Vec::with_capacity(robots),
-            linear: vec![Linearization::ZERO; robots],
-            steps: vec![step; robots],
+            rollouts: vec![Rollout::new(N != NY); TOGETHER / WIDTH],
+            starts: Vec::with_capacity(TOGETHER),
+            points: Vec::with_capacity(TOGETHER),
+            linear: vec![Linearization::ZERO; TOGETHER],
+            steps: vec![step; TOGETHER],
         }
     }
 
@@ -216,36 +261,40 @@ impl<V: Vector, const N: usize, const M: usize, const NY: usize> Group<V, N, M, 
         first.clear();
         first.extend(starts.take(steps.len()));
         let Some(last) = first.last() else { return &[] };
-        let count = first.len();
-        points.clone_from(first);
+        let (count, last) = (first.len(), *last);
         // The remaining lanes repeat the last robot.
-        points.resize(count.next_multiple_of(WIDTH), *last);
+        first.resize(count.next_multiple_of(WIDTH), last);
+        points.clone_from(first);
         for (rollout, points) in rollouts.iter_mut().zip(points.as_chunks().0) {
             rollout.begin(points.each_ref());
         }
         let h = period / substeps as f64;
         for substep in 0..substeps {
             for (index, time) in TIMES.iter().enumerate() {
+                let done = substep * TIMES.len() + index;
                 for (point, start) in points.iter_mut().zip(&*first) {
                     point.time = start.time + (substep as f64 + time) * h;
                 }
                 model.linearize_along(instructions(), &points[..count], linear);
-                let (linear, points) = (linear.as_chunks().0, points.as_chunks_mut().0);
-                for ((rollout, linear), points) in rollouts.iter_mut().zip(linear).zip(points) {
-                    rollout.advance(linear.each_ref(), index, h);
-                    rollout.write_states(points);
+                let groups = first.as_chunks_mut().0.iter_mut().zip(points.as_chunks_mut().0);
+                for ((rollout, linear), (starts, points)) in
+                    rollouts.iter_mut().zip(linear.as_chunks().0).zip(groups)
+                {
+                    rollout.advance(linear.each_ref(), done, h);
+                    rollout.write_states(model, starts, points, index + 1 == TIMES.len());
                 }
             }
         }
-        for (rollout, steps) in rollouts.iter().zip(steps.as_chunks_mut().0) {
-            rollout.write_steps(steps);
+        let groups = points.as_chunks().0.iter().zip(steps.as_chunks_mut().0);
+        for (rollout, (points, steps)) in rollouts.iter().zip(groups) {
+            rollout.write_steps(points, steps);
         }
         &steps[..count]
     }
 }
 
-/// Integrates several robots without quaternions (N = NY) by the classical Runge–Kutta method of order 4, and computes the
-/// derivatives by the chain rule over the stages. Nothing is allocated after [`Self::new`].
+/// Integrates several robots by the classical Runge–Kutta method of order 4, and computes the derivatives by the chain rule over
+/// the stages. For robots with quaternions it is the method of Munthe-Kaas. Nothing is allocated after [`Self::new`].
 ///
 /// The results differ from those of [`Discretizable::step_derivatives`] by rounding, because products are fused if the
 /// processor has AVX2 with fused multiply-add.

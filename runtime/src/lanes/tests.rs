@@ -243,22 +243,60 @@ fn nothing_is_done_for_no_robots() {
     assert_near(&results[0], &linear[0].discretize(0.02));
 }
 
-fn integrated<D, const N: usize, const M: usize>(model: &D, starts: &[Point<N, M>]) -> Vec<Step<N, M>>
+fn integrated<D, const N: usize, const M: usize, const NY: usize>(
+    model: &D,
+    starts: &[Point<N, M, NY>],
+) -> Vec<Step<N, M, NY>>
 where
-    D: Discretizable<N, M>,
+    D: Discretizable<N, M, NY>,
 {
     Rollouts::new().integrate(model, starts.iter().copied(), 0.02, D::SUBSTEPS).to_vec()
 }
 
-fn integrations_are_those_of_single_robots<D, const N: usize, const M: usize>(model: D)
-where
-    D: Discretizable<N, M>,
+/// Two steps of one integration equal two integrations of one step. Derivatives are compared along a direction.
+fn two_steps_are_composed<D, const N: usize, const M: usize, const NY: usize>(
+    model: &D,
+    start: &Point<N, M, NY>,
+) where
+    D: Discretizable<N, M, NY>,
+{
+    let mut rollouts = Rollouts::new();
+    let mut steps = |start: Point<N, M, NY>, period: f64, count: usize| {
+        rollouts.integrate(model, core::iter::once(start), period, count * D::SUBSTEPS)[0]
+    };
+    let whole = steps(*start, 0.02, 2);
+    let first = steps(*start, 0.01, 1);
+    let Step { coordinates: positions, velocities, .. } = first;
+    let second = steps(Point { time: start.time + 0.01, positions, velocities, ..*start }, 0.01, 1);
+    assert_blocks_near(&whole.coordinates, &second.coordinates, 0.0);
+    assert_blocks_near(&whole.velocities, &second.velocities, 0.0);
+    let direction = [0.3, -0.7].map(|entry| [entry; N]);
+    let moved = |step: &Step<N, M, NY>, [y, v]: [[f64; N]; 2], u: f64| {
+        [0, 1].map(|half| {
+            core::array::from_fn(|i| {
+                let row = |block: usize, by: &[f64; N]| -> f64 {
+                    step.state[half][block][i].iter().zip(by).map(|(a, b)| a * b).sum()
+                };
+                row(0, &y) + row(1, &v) + u * step.input[half][i].iter().sum::<f64>()
+            })
+        })
+    };
+    let found: [[f64; N]; 2] = moved(&whole, direction, 0.5);
+    let expected: [[f64; N]; 2] = moved(&second, moved(&first, direction, 0.5), 0.5);
+    assert_blocks_near(found.as_flattened(), expected.as_flattened(), 1.0);
+}
+
+fn integrations_are_those_of_single_robots<D, const N: usize, const M: usize, const NY: usize>(
+    model: D,
+    rest: &[f64; NY],
+) where
+    D: Discretizable<N, M, NY>,
 {
     let mut numbers = ChaCha8Rng::seed_from_u64(7);
-    let starts: Vec<Point<N, M>> = (0..TOGETHER + 1)
+    let starts: Vec<Point<N, M, NY>> = (0..TOGETHER + 1)
         .map(|k| Point {
             time: 0.1 * k as f64,
-            positions: random(&mut numbers, 1.5),
+            positions: model.integrate(rest, &random(&mut numbers, 1.5)),
             velocities: random(&mut numbers, 2.0),
             inputs: random(&mut numbers, 1.0),
         })
@@ -285,6 +323,7 @@ where
         }
     }
     assert_eq!(integrated(&model, &starts).len(), TOGETHER, "further robots are ignored");
+    two_steps_are_composed(&model, &starts[0]);
     let mut with_nan = starts[..3].to_vec();
     with_nan[1].velocities[0] = f64::NAN;
     let (found, alone) = (integrated(&model, &with_nan), integrated(&model, &starts[..3]));
@@ -293,11 +332,13 @@ where
 }
 
 #[test]
-fn integrations_of_arms_are_those_of_single_robots() {
-    integrations_are_those_of_single_robots(PowerCube);
-    integrations_are_those_of_single_robots(CartPole);
-    integrations_are_those_of_single_robots(Ur5);
-    integrations_are_those_of_single_robots(Panda);
+fn integrations_of_groups_are_those_of_single_robots() {
+    integrations_are_those_of_single_robots(PowerCube, &[0.0; _]);
+    integrations_are_those_of_single_robots(CartPole, &[0.0; _]);
+    integrations_are_those_of_single_robots(Ur5, &[0.0; _]);
+    integrations_are_those_of_single_robots(Panda, &[0.0; _]);
     let rail = RestToRest::new([-0.5], [0.5], 1.5).unwrap();
-    integrations_are_those_of_single_robots(DrivenRobot::new(RailArm::default(), rail));
+    integrations_are_those_of_single_robots(DrivenRobot::new(RailArm::default(), rail), &[0.0; _]);
+    integrations_are_those_of_single_robots(Quadrotor, &gelenk_generated::quadrotor::NEUTRAL);
+    integrations_are_those_of_single_robots(Satellite, &gelenk_generated::satellite::NEUTRAL);
 }

@@ -3,7 +3,6 @@
 use super::delegation::{delegated_controller_methods, delegated_methods};
 use super::error::MpcError;
 use super::horizon::Horizon;
-use super::integrate::{Span, integrate};
 use super::node::{Node, Prediction};
 use super::options::MpcOptions;
 use crate::control_loop::{Command, Controller, ControllerFault, Cycle};
@@ -84,20 +83,10 @@ where
         self.prepared = start;
     }
 
-    /// Integrates the stages of arms together, and those of robots with quaternions one by one.
     fn set_stages(&mut self, start: f64) {
         let Self { horizon, rollouts, .. } = self;
         let (stages, period, substeps) = (horizon.options.horizon, horizon.options.period, horizon.substeps);
         let time = |k: usize| start + k as f64 * period;
-        if N != NY {
-            for k in 0..stages {
-                let (at, u) = horizon.planned_point(k);
-                let span = Span { start: time(k), period, substeps };
-                let step = integrate(horizon.model(), &at.positions, &at.velocities, &u, span);
-                horizon.set_integrated_stage(k, &step);
-            }
-            return;
-        }
         for first in (0..stages).step_by(TOGETHER) {
             let starts = (first..stages).map(|k| {
                 let (Node { positions, velocities }, inputs) = horizon.planned_point(k);

@@ -270,19 +270,21 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         }
     }
 
-    /// Corrects the estimate with one measurement of entry `m` of the augmented state.
+    /// Corrects the estimate with one measurement of entry `m` of the augmented state. With `s = P_m/√(P_mm + noise²)`,
+    /// the state changes by `s innovation/√(P_mm + noise²)`, and P by `−s sᵀ`, which keeps it symmetric.
     fn take(&mut self, m: usize, innovation: f64, noise: f64, mut add: impl FnMut(&mut Self, usize, f64)) {
         let n = Self::SIZE;
-        let variance = self.covariance[m * n + m] + noise * noise;
-        self.work[..n].copy_from_slice(&self.covariance[m * n..][..n]);
+        let deviation = (self.covariance[m * n + m] + noise * noise).sqrt();
+        let Self { covariance, work, .. } = self;
+        let scaled = &mut work[..n];
+        for (scaled, entry) in scaled.iter_mut().zip(&covariance[m * n..][..n]) {
+            *scaled = entry / deviation;
+        }
+        for (row, factor) in covariance.chunks_exact_mut(n).zip(&*scaled) {
+            add_scaled(row, -factor, scaled);
+        }
         for i in 0..n {
-            let gain = self.work[i] / variance;
-            add(self, i, gain * innovation);
-            for j in 0..=i {
-                let value = self.covariance[i * n + j] - gain * self.work[j];
-                self.covariance[i * n + j] = value;
-                self.covariance[j * n + i] = value;
-            }
+            add(self, i, self.work[i] * (innovation / deviation));
         }
     }
 
