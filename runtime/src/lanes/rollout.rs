@@ -2,7 +2,7 @@
 
 mod chart;
 
-use chart::Chart;
+use chart::{Bracket, Chart};
 
 use super::hold::instructions;
 use super::packed::{pack, unpack};
@@ -175,13 +175,14 @@ impl<V: Vector, const N: usize, const M: usize> Rollout<V, N, M> {
     fn write_states<const NY: usize>(
         &mut self,
         model: &impl Discretizable<N, M, NY>,
+        bracket: &Bracket,
         starts: &mut [Point<N, M, NY>; WIDTH],
         points: &mut [Point<N, M, NY>; WIDTH],
         is_last: bool,
     ) {
         let Self { start, stage: [y, v], end, chart, .. } = self;
         if let Some(chart) = chart {
-            chart.place(model, [y, v], starts, points);
+            chart.place(model, bracket, [y, v], starts, points);
             if is_last {
                 chart.continue_from(starts, points);
                 [start[0], end[0]] = [Motion::zero(); 2];
@@ -225,6 +226,7 @@ impl<V: Vector, const N: usize, const M: usize> Rollout<V, N, M> {
 /// Memory for the integration of up to [`TOGETHER`] robots.
 #[derive(Debug, Clone)]
 struct Group<V, const N: usize, const M: usize, const NY: usize> {
+    bracket: Bracket,
     rollouts: Vec<Rollout<V, N, M>>,
     starts: Vec<Point<N, M, NY>>,
     points: Vec<Point<N, M, NY>>,
@@ -233,7 +235,7 @@ struct Group<V, const N: usize, const M: usize, const NY: usize> {
 }
 
 impl<V: Vector, const N: usize, const M: usize, const NY: usize> Group<V, N, M, NY> {
-    fn new() -> Self {
+    fn new(model: &impl Discretizable<N, M, NY>) -> Self {
         const { assert!(V::WIDTH == WIDTH && TOGETHER.is_multiple_of(WIDTH), "each lane has one robot") };
         let step = Step {
             coordinates: [0.0; NY],
@@ -242,6 +244,7 @@ impl<V: Vector, const N: usize, const M: usize, const NY: usize> Group<V, N, M, 
             input: [[[0.0; M]; N]; 2],
         };
         Self {
+            bracket: Bracket::new(model),
             rollouts: vec![Rollout::new(N != NY); TOGETHER / WIDTH],
             starts: Vec::with_capacity(TOGETHER),
             points: Vec::with_capacity(TOGETHER),
@@ -257,7 +260,7 @@ impl<V: Vector, const N: usize, const M: usize, const NY: usize> Group<V, N, M, 
         period: f64,
         substeps: usize,
     ) -> &[Step<N, M, NY>] {
-        let Self { rollouts, starts: first, points, linear, steps } = self;
+        let Self { bracket, rollouts, starts: first, points, linear, steps } = self;
         first.clear();
         first.extend(starts.take(steps.len()));
         let Some(last) = first.last() else { return &[] };
@@ -281,7 +284,7 @@ impl<V: Vector, const N: usize, const M: usize, const NY: usize> Group<V, N, M, 
                     rollouts.iter_mut().zip(linear.as_chunks().0).zip(groups)
                 {
                     rollout.advance(linear.each_ref(), done, h);
-                    rollout.write_states(model, starts, points, index + 1 == TIMES.len());
+                    rollout.write_states(model, bracket, starts, points, index + 1 == TIMES.len());
                 }
             }
         }
@@ -311,12 +314,12 @@ enum Engine<const N: usize, const M: usize, const NY: usize> {
 
 impl<const N: usize, const M: usize, const NY: usize> Rollouts<N, M, NY> {
     /// Selects the vector instructions and allocates all memory.
-    pub fn new() -> Self {
+    pub fn new(model: &impl Discretizable<N, M, NY>) -> Self {
         #[cfg(all(target_arch = "x86_64", feature = "std"))]
         if has_avx2() {
-            return Self(Engine::Avx2(Group::new()));
+            return Self(Engine::Avx2(Group::new(model)));
         }
-        Self(Engine::Portable(Group::new()))
+        Self(Engine::Portable(Group::new(model)))
     }
 
     /// Integrates from up to [`TOGETHER`] states, over a period (s) in `substeps` steps. Further states are ignored.

@@ -1,15 +1,16 @@
 //! Positions of robots with quaternions during a Runge–Kutta step: `y ⊕ d` with a displacement d.
 //!
 //! The displacement has the rate `v + ½ [d, v] + 1/12 [d, [d, v]]` with the Lie bracket `[·, ·]` (Munthe-Kaas, *High order
-//! Runge–Kutta methods on manifolds*, 1999). With the matrix `ad_a b = [a, b]` and `w = [d, v]`, its derivatives are
+//! Runge–Kutta methods on manifolds*, 1999). With the matrix `ad_a b = [a, b]`, for which `ad_[d, v] = ad_d ad_v − ad_v ad_d`, the
+//! derivatives of the rate are
 //!
 //! ```text
-//!     ∂/∂d: −½ ad_v − 1/12 (ad_w + ad_d ad_v)     ∂/∂v: 1 + ½ ad_d + 1/12 ad_d²
+//!     ∂/∂d: −½ ad_v − 1/12 (2 ad_d ad_v − ad_v ad_d)     ∂/∂v: 1 + ½ ad_d + 1/12 ad_d²
 //! ```
 
 use super::super::packed::{pack, unpack};
-use super::super::product::{Half, Start, entries, entries_mut, sum};
-use super::Motion;
+use super::super::product::{Half, Start, entries, sum};
+use super::{Motion, add_scaled};
 use crate::dynamics::{Discretizable, Point};
 use crate::qp::lanes::{Vector, WIDTH, vectorized};
 
@@ -22,9 +23,39 @@ pub(super) struct Chart<V, const N: usize, const M: usize> {
     pub rate: Motion<V, N, M>,
 }
 
-/// Derivatives of the positions at a stage (with respect to the positions at the beginning and to the displacement), and
-/// derivatives of the rate (with respect to displacement and velocities). The last array is the rate.
-type Factors<const N: usize> = ([[[f64; N]; N]; 2], [[[f64; N]; N]; 2], [f64; N]);
+/// Lie bracket of two velocities: `[a, b]_i = Σ c a_k b_j` over the rows `([i, k, j], c)`.
+#[derive(Debug, Clone)]
+pub(super) struct Bracket(Vec<([usize; 3], f64)>);
+
+impl Bracket {
+    /// Bracket of a robot; empty for robots without quaternions.
+    pub fn new<const N: usize, const M: usize, const NY: usize>(
+        model: &impl Discretizable<N, M, NY>,
+    ) -> Self {
+        let mut rows = Vec::new();
+        for k in 0..if N == NY { 0 } else { N } {
+            let mut unit = [0.0; N];
+            unit[k] = 1.0;
+            let minus_ad = model.drift(&unit);
+            for i in 0..N {
+                let entries = minus_ad[i].iter().enumerate().filter(|(_, entry)| **entry != 0.0);
+                rows.extend(entries.map(|(j, entry)| ([i, k, j], -entry)));
+            }
+        }
+        Self(rows)
+    }
+
+    /// Computes `ad_a b` for each column of b.
+    #[inline(always)]
+    fn of<V: Vector, const N: usize, const C: usize>(&self, a: &[V; N], b: &[[V; C]; N]) -> [[V; C]; N] {
+        let mut product = [[V::zero(); C]; N];
+        for ([i, k, j], c) in &self.0 {
+            let factor = V::splat(*c) * a[*k];
+            add_scaled(&mut product[*i], factor, &b[*j]);
+        }
+        product
+    }
+}
 
 impl<V: Vector, const N: usize, const M: usize> Chart<V, N, M> {
     /// Sets the positions to the initial state.
@@ -38,39 +69,29 @@ impl<V: Vector, const N: usize, const M: usize> Chart<V, N, M> {
     pub fn place<const NY: usize>(
         &mut self,
         model: &impl Discretizable<N, M, NY>,
+        bracket: &Bracket,
         [d, v]: [&Motion<V, N, M>; 2],
         starts: &[Point<N, M, NY>; WIDTH],
         points: &mut [Point<N, M, NY>; WIDTH],
     ) {
-        let mut values = [[[0.0; N]; WIDTH]; 2];
-        for (motion, values) in [d, v].into_iter().zip(&mut values) {
-            vectorized!(V, { unpack(entries(&motion.value), values.each_mut().map(|value| &mut value[..])) });
-        }
-        let [d_values, v_values] = &values;
-        let mut factors: [Factors<N>; WIDTH] = [([[[0.0; N]; N]; 2], [[[0.0; N]; N]; 2], [0.0; N]); WIDTH];
+        let mut values = [[0.0; N]; WIDTH];
+        vectorized!(V, { unpack(entries(&d.value), values.each_mut().map(|value| &mut value[..])) });
+        let mut tangents = [[[[0.0; N]; N]; 2]; WIDTH];
         for e in 0..WIDTH {
             let start = &starts[e].positions;
-            points[e].positions = model.integrate(start, &d_values[e]);
-            let (by_start, by_displacement) = model.integrate_derivatives(start, &d_values[e]);
-            let (of_rate, rate) = rate(model, &d_values[e], &v_values[e]);
-            factors[e] = ([by_start, by_displacement], of_rate, rate);
+            points[e].positions = model.integrate(start, &values[e]);
+            tangents[e] = model.integrate_derivatives(start, &values[e]).into();
         }
         let Self { positions: [start, stage], rate } = self;
         vectorized!(V, {
             let mut half: Half<V, N> = [[[V::zero(); N]; 2]; N];
             for i in 0..N {
                 for block in 0..2 {
-                    pack(&mut half[i][block], factors.each_ref().map(|factors| &factors.0[block][i][..]));
+                    pack(&mut half[i][block], tangents.each_ref().map(|tangents| &tangents[block][i][..]));
                 }
             }
             combine(stage, &half, [start, d]);
-            for i in 0..N {
-                for block in 0..2 {
-                    pack(&mut half[i][block], factors.each_ref().map(|factors| &factors.1[block][i][..]));
-                }
-            }
-            combine(rate, &half, [d, v]);
-            pack(entries_mut(&mut rate.value), factors.each_ref().map(|factors| &factors.2[..]));
+            set_rate(rate, bracket, [d, v]);
         });
     }
 
@@ -98,30 +119,31 @@ fn combine<V: Vector, const N: usize, const M: usize>(
     sum(&mut result.by_inputs, Start::Zero, half, &[(0, &x.by_inputs), (1, &y.by_inputs)]);
 }
 
-/// Derivatives of the rate of the displacement with respect to displacement and velocities, then the rate.
-fn rate<const N: usize, const M: usize, const NY: usize>(
-    model: &impl Discretizable<N, M, NY>,
-    d: &[f64; N],
-    v: &[f64; N],
-) -> ([[[f64; N]; N]; 2], [f64; N]) {
-    let once = model.bracket(d, v);
-    let twice = model.bracket(d, &once);
-    // Each matrix is −ad of its argument.
-    let [of_d, of_v, of_once] = [d, v, &once].map(|velocities| model.drift(velocities));
-    let (mut by_d, mut by_v) = ([[0.0; N]; N], [[0.0; N]; N]);
+/// Computes the rate of the displacement d and its derivatives.
+#[inline(always)]
+fn set_rate<V: Vector, const N: usize, const M: usize>(
+    rate: &mut Motion<V, N, M>,
+    bracket: &Bracket,
+    [d, v]: [&Motion<V, N, M>; 2],
+) {
+    let unit = core::array::from_fn(|i| core::array::from_fn(|j| if i == j { V::one() } else { V::zero() }));
+    let [of_d, of_v]: [[V; N]; 2] = [d, v].map(|motion| core::array::from_fn(|i| motion.value[i][0][0]));
+    let (ad_d, ad_v): ([[V; N]; N], [[V; N]; N]) = (bracket.of(&of_d, &unit), bracket.of(&of_v, &unit));
+    let (d_v, v_d, d_d) = (bracket.of(&of_d, &ad_v), bracket.of(&of_v, &ad_d), bracket.of(&of_d, &ad_d));
+    let [half_one, twelfth] = [0.5, 1.0 / 12.0].map(V::splat);
+    let minus_half = V::splat(-0.5);
+    let mut half: Half<V, N> = [[[V::zero(); N]; 2]; N];
     for i in 0..N {
-        by_v[i][i] = 1.0;
         for j in 0..N {
-            by_d[i][j] = 0.5 * of_v[i][j] + of_once[i][j] / 12.0;
-            by_v[i][j] -= 0.5 * of_d[i][j];
-        }
-        for k in 0..N {
-            let factor = of_d[i][k] / 12.0;
-            for j in 0..N {
-                by_d[i][j] -= factor * of_v[k][j];
-                by_v[i][j] += factor * of_d[k][j];
-            }
+            let second = twelfth * (v_d[i][j] - (d_v[i][j] + d_v[i][j]));
+            half[i][0][j] = ad_v[i][j].mul_add(minus_half, second);
+            half[i][1][j] = d_d[i][j].mul_add(twelfth, ad_d[i][j].mul_add(half_one, unit[i][j]));
         }
     }
-    ([by_d, by_v], core::array::from_fn(|i| v[i] + 0.5 * once[i] + twice[i] / 12.0))
+    combine(rate, &half, [d, v]);
+    // The rate is linear in v.
+    rate.value = core::array::from_fn(|i| {
+        let sum = (0..N).fold(V::zero(), |sum, j| half[i][1][j].mul_add(of_v[j], sum));
+        [[sum]]
+    });
 }
