@@ -13,7 +13,23 @@ pub(crate) mod rollout;
 #[cfg(test)]
 mod tests;
 
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+use crate::qp::lanes::Vector;
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+use crate::qp::x86::{Avx2, has_avx2};
+
 pub use hold::{ZeroOrderHolds, instructions};
+
+/// Runs a closure, which should be `#[inline(always)]`, compiled for AVX2 if this processor has it. The compiler does not fuse
+/// operations, so that the bits of the results do not depend on the processor.
+#[inline(always)]
+pub(crate) fn widened<R>(work: impl FnOnce() -> R) -> R {
+    #[cfg(all(target_arch = "x86_64", feature = "std"))]
+    if has_avx2() {
+        return Avx2::vectorized(work);
+    }
+    work()
+}
 
 /// Calls a generated function for eight states, in the fastest version that this processor supports. The three
 /// versions are for any processor, for AVX2, and for AVX-512.

@@ -51,8 +51,7 @@ where
         D: PhaseSpace<NX>,
     {
         let horizon = Horizon::new(model, trajectory, options)?;
-        let rollouts = Rollouts::new(horizon.model());
-        Ok(Self { horizon, rollouts, prepared: f64::NAN })
+        Ok(Self { horizon, rollouts: Rollouts::new(TOGETHER), prepared: f64::NAN })
     }
 
     delegated_methods!();
@@ -93,7 +92,7 @@ where
                 let (Node { positions, velocities }, inputs) = horizon.planned_point(k);
                 Point { time: time(k), positions, velocities, inputs }
             });
-            let steps = rollouts.integrate(horizon.model(), starts, period, substeps * D::SUBSTEPS);
+            let steps = rollouts.integrate(horizon.model(), starts, period, substeps);
             for (k, step) in (first..).zip(steps) {
                 horizon.set_integrated_stage(k, step);
             }

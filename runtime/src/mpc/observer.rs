@@ -3,6 +3,7 @@
 use super::error::{MpcError, require};
 use super::integrate::{Span, integrate};
 use crate::dynamics::{Discretizable, Dynamics, Step};
+use crate::lanes::widened;
 
 /// Standard deviations of the noise that [`DisturbanceObserver`] assumes. The noise of different periods is
 /// independent.
@@ -170,11 +171,15 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
         let span = Span { start, period, substeps: substeps.max(1) };
         let step = integrate(model, &self.positions, &self.velocities, &total, span);
         (self.positions, self.velocities) = (step.coordinates, step.velocities);
-        self.predict_covariance(&step);
+        widened(
+            #[inline(always)]
+            || self.predict_covariance(&step),
+        );
     }
 
     /// Predicts the covariance P by `F P Fᵀ` plus the noise. F is the sensitivity matrix of the augmented state. F
     /// differs from the identity only in the rows of y and ẏ.
+    #[inline(always)]
     fn predict_covariance(&mut self, step: &Step<N, M, NY>) {
         let n = Self::SIZE;
         // Fᵀ is stored without the columns of d, because loops over its rows are vectorized.
@@ -275,14 +280,19 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
     fn take(&mut self, m: usize, innovation: f64, noise: f64, mut add: impl FnMut(&mut Self, usize, f64)) {
         let n = Self::SIZE;
         let deviation = (self.covariance[m * n + m] + noise * noise).sqrt();
-        let Self { covariance, work, .. } = self;
-        let scaled = &mut work[..n];
-        for (scaled, entry) in scaled.iter_mut().zip(&covariance[m * n..][..n]) {
-            *scaled = entry / deviation;
-        }
-        for (row, factor) in covariance.chunks_exact_mut(n).zip(&*scaled) {
-            add_scaled(row, -factor, scaled);
-        }
+        widened(
+            #[inline(always)]
+            || {
+                let Self { covariance, work, .. } = self;
+                let scaled = &mut work[..n];
+                for (scaled, entry) in scaled.iter_mut().zip(&covariance[m * n..][..n]) {
+                    *scaled = entry / deviation;
+                }
+                for (row, factor) in covariance.chunks_exact_mut(n).zip(&*scaled) {
+                    add_scaled(row, -factor, scaled);
+                }
+            },
+        );
         for i in 0..n {
             add(self, i, self.work[i] * (innovation / deviation));
         }
@@ -331,6 +341,7 @@ fn sensitivity<const N: usize, const M: usize, const NY: usize>(
     if k < 2 * N { step.state[half][k / N][i][k % N] } else { step.input[half][i][k - 2 * N] }
 }
 
+#[inline(always)]
 fn add_scaled(sum: &mut [f64], factor: f64, of: &[f64]) {
     for (sum, entry) in sum.iter_mut().zip(of) {
         *sum += factor * entry;

@@ -205,6 +205,24 @@ impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, N
             self.forget();
         }
         let soft = self.load(problem);
+        self.solve_loaded(problem, soft, start)
+    }
+
+    /// Solves a problem from the last solution, or with a cold start if the last problem was not solved. [`Self::accepts`] must
+    /// be true for the problem.
+    pub(super) fn solve_warm(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
+        if !self.solved {
+            return self.solve(problem, Start::Cold);
+        }
+        self.unsolved = None;
+        let soft = self.load(problem);
+        self.follow(problem).unwrap_or_else(|tried| {
+            let report = self.solve_loaded(problem, soft, Start::Near);
+            QpReport { iterations: report.iterations + tried, ..report }
+        })
+    }
+
+    fn solve_loaded(&mut self, problem: &QpProblem<NX, NU, NR>, soft: bool, start: Start) -> QpReport {
         let report = self.optimize(problem, soft, start);
         let report = self.judge(problem, report);
         self.go_on(problem, report)

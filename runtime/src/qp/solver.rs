@@ -121,14 +121,9 @@ impl<const NX: usize, const NU: usize, const NR: usize> QpSolver<NX, NU, NR> {
     ///
     /// The result depends on all solves since the construction of the solver.
     pub fn solve_warm(&mut self, problem: &QpProblem<NX, NU, NR>) -> QpReport {
-        core!(&mut self.0, core => {
-            if !core.accepts(problem) {
-                return core.invalid(problem);
-            }
-            core.follow(problem).unwrap_or_else(|(start, tried)| {
-                let report = core.solve(problem, start);
-                QpReport { iterations: report.iterations + tried, ..report }
-            })
+        core!(&mut self.0, core => match core.accepts(problem) {
+            true => core.solve_warm(problem),
+            false => core.invalid(problem),
         })
     }
 

@@ -28,12 +28,21 @@ pub(super) struct Chart<V, const N: usize, const M: usize> {
 pub(super) struct Bracket(Vec<([usize; 3], f64)>);
 
 impl Bracket {
-    /// Bracket of a robot; empty for robots without quaternions.
-    pub fn new<const N: usize, const M: usize, const NY: usize>(
+    /// Memory for the bracket of a robot with N velocities. A floating joint has 18 rows, a spherical joint has 6.
+    pub fn new<const N: usize>() -> Self {
+        Self(Vec::with_capacity(3 * N))
+    }
+
+    /// Sets the bracket to that of a robot at the first call. The bracket of a robot without quaternions is zero.
+    pub fn learn<const N: usize, const M: usize, const NY: usize>(
+        &mut self,
         model: &impl Discretizable<N, M, NY>,
-    ) -> Self {
-        let mut rows = Vec::new();
-        for k in 0..if N == NY { 0 } else { N } {
+    ) {
+        let Self(rows) = self;
+        if N == NY || !rows.is_empty() {
+            return;
+        }
+        for k in 0..N {
             let mut unit = [0.0; N];
             unit[k] = 1.0;
             let minus_ad = model.drift(&unit);
@@ -42,7 +51,6 @@ impl Bracket {
                 rows.extend(entries.map(|(j, entry)| ([i, k, j], -entry)));
             }
         }
-        Self(rows)
     }
 
     /// Computes `ad_a b` for each column of b.
@@ -65,12 +73,11 @@ impl<V: Vector, const N: usize, const M: usize> Chart<V, N, M> {
         self.positions.iter_mut().for_each(|positions| positions.begin(0));
     }
 
-    /// Computes positions and rates at a stage with displacement and velocities `[d, v]`.
+    /// Computes the positions at a stage with the displacement d.
     pub fn place<const NY: usize>(
         &mut self,
         model: &impl Discretizable<N, M, NY>,
-        bracket: &Bracket,
-        [d, v]: [&Motion<V, N, M>; 2],
+        d: &Motion<V, N, M>,
         starts: &[Point<N, M, NY>; WIDTH],
         points: &mut [Point<N, M, NY>; WIDTH],
     ) {
@@ -82,7 +89,7 @@ impl<V: Vector, const N: usize, const M: usize> Chart<V, N, M> {
             points[e].positions = model.integrate(start, &values[e]);
             tangents[e] = model.integrate_derivatives(start, &values[e]).into();
         }
-        let Self { positions: [start, stage], rate } = self;
+        let [start, stage] = &mut self.positions;
         vectorized!(V, {
             let mut half: Half<V, N> = [[[V::zero(); N]; 2]; N];
             for i in 0..N {
@@ -91,8 +98,12 @@ impl<V: Vector, const N: usize, const M: usize> Chart<V, N, M> {
                 }
             }
             combine(stage, &half, [start, d]);
-            set_rate(rate, bracket, [d, v]);
         });
+    }
+
+    /// Computes the rate at a stage with displacement and velocities.
+    pub fn set_rate(&mut self, bracket: &Bracket, motion: [&Motion<V, N, M>; 2]) {
+        vectorized!(V, { set_rate(&mut self.rate, bracket, motion) });
     }
 
     /// Begins the next step at the present positions.

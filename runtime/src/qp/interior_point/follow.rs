@@ -16,7 +16,7 @@
 //! Source: Hintermüller, Ito, Kunisch, *The primal-dual active set strategy as a semismooth Newton method*, SIAM J.
 //! Optim. 13 (2002), section 3.
 
-use super::super::core::{Core, Start};
+use super::super::core::Core;
 use super::super::lanes::Vector;
 use super::super::ldl::{factor_ldl, solve_ldl};
 use super::super::problem::QpProblem;
@@ -33,30 +33,22 @@ const WEIGHT: f64 = 1e7;
 const RIGID: f64 = 10.0;
 
 impl<V: Vector, const NX: usize, const NU: usize, const NR: usize> Core<V, NX, NU, NR> {
-    /// Solves the problem from the active set of the solution in memory.
+    /// Solves the loaded problem from the active set of the solution in memory.
     ///
     /// # Errors
-    /// If this method does not find the solution, the error contains the start to use instead and the number of iterations
-    /// that were made.
-    pub(in crate::qp) fn follow(
-        &mut self,
-        problem: &QpProblem<NX, NU, NR>,
-    ) -> Result<QpReport, (Start, usize)> {
-        if !self.solved {
-            return Err((Start::Cold, 0));
-        }
+    /// If this method does not find the solution, the error is the number of iterations that were made.
+    pub(in crate::qp) fn follow(&mut self, problem: &QpProblem<NX, NU, NR>) -> Result<QpReport, usize> {
         if !self.pause.is_over() {
-            return Err((Start::Near, 0));
+            return Err(0);
         }
         let followed = self.pursue(problem);
         self.pause = self.pause.after(followed.is_ok());
-        followed.map_err(|iterations| (Start::Near, iterations))
+        followed
     }
 
     fn pursue(&mut self, problem: &QpProblem<NX, NU, NR>) -> Result<QpReport, usize> {
         // If a cold start replaces this start, it clears the data that this start leaves.
         self.solved = false;
-        self.load(problem);
         let weight = factor_ldl(self.riccati.r).map_err(|_| 0_usize)?;
         let scale = self.riccati.largest;
         let w = [RIGID * WEIGHT * scale, WEIGHT * scale];
