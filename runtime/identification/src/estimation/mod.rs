@@ -52,6 +52,8 @@ pub(crate) use {
     prior::distance,
     residuals::{huber, robust_deviation},
     result::CommonTerms,
-    shares::{Columns, RunPiece, ShareSums, SharedData, SharedEstimate, Weighted, estimate_shares},
+    shares::{
+        Columns, JointSums, RunPiece, ShareSums, SharedData, SharedEstimate, Weighted, estimate_shares,
+    },
     sums::{FEWEST_MOTIONS, repeated_motions},
 };

@@ -16,7 +16,7 @@ use super::super::shafts::RobotRows;
 use super::exact::Exact;
 use super::file::hash_of;
 use super::levels;
-use super::logs::{JointFacts, LogMoments, ReducedLog, Share};
+use super::logs::{JointFacts, LogMoments, ReducedLog};
 use gelenk_findings::{Finding, Rule, counted};
 use nalgebra::{DMatrix, DVector};
 
@@ -58,7 +58,7 @@ pub fn identify_moments(
     let rows = RobotRows::of(robot);
     let (joints, robot) = (robot, &rows as &dyn Robot);
     let columns = moments.columns(robot)?;
-    let shares = moments.share_sums(&columns)?;
+    let shares = moments.share_sums()?;
     progress("Friction terms and the weight of the description are chosen by the error on held-out data.");
     let data = SharedData {
         robot,
@@ -134,10 +134,11 @@ impl LogMoments {
     ///
     /// # Errors
     /// [`IdentificationError::File`] if there are too few shares with samples.
-    fn share_sums(&self, columns: &Columns) -> Result<Vec<ShareSums>> {
+    fn share_sums(&self) -> Result<Vec<ShareSums<f64>>> {
         let fewest = levels::FEWEST_SHARES.get();
         let filled = self.shares.iter().filter(|share| share.samples > 0);
-        let shares: Vec<ShareSums> = filled.map(|share| share.sums(columns)).collect();
+        let shares =
+            filled.map(|share| share.converted(|sum| Ok(sum.value()))).collect::<Result<Vec<_>>>()?;
         if shares.len() >= fewest {
             return Ok(shares);
         }
@@ -239,32 +240,11 @@ impl LogMoments {
     }
 }
 
-impl Share {
-    fn sums(&self, columns: &Columns) -> ShareSums {
-        let square = |(products, width): (&Vec<Exact>, usize)| {
-            let place = |i: usize, j: usize| i * (i + 1) / 2 + j;
-            DMatrix::from_fn(width, width, |i, j| products[place(i.max(j), i.min(j))].value())
-        };
-        ShareSums {
-            samples: self.samples as usize,
-            weights: self.joints.iter().map(|joint| joint.weight.value()).collect(),
-            products: self
-                .joints
-                .iter()
-                .map(|joint| &joint.products)
-                .zip(columns.widths())
-                .map(square)
-                .collect(),
-            lost: self.joints.iter().map(|joint| joint.lost.map(Exact::value)).collect(),
-        }
-    }
-}
-
 /// Friction of one joint, from the residual of the rigid body.
 struct JointMoments<'a> {
     joint: usize,
     facts: &'a JointFacts,
-    shares: &'a [ShareSums],
+    shares: &'a [ShareSums<f64>],
     library: Vec<(String, usize)>,
     /// Factors of the linear combination of the joint's columns (regressor, terms, measured force) that is
     /// its friction torque.
@@ -292,7 +272,7 @@ impl JointMoments<'_> {
             settings: &[Some(summary.clone()), left_out].into_iter().flatten().collect::<Vec<_>>(),
             ..FrictionData::default()
         };
-        let lost: f64 = self.shares.iter().map(|share| share.lost[self.joint][0]).sum();
+        let lost: f64 = self.shares.iter().map(|share| share.joints[self.joint].lost[0]).sum();
         let shared = SharedFriction {
             about,
             shares: self.shares.iter().map(|share| self.moments(share, &library)).collect(),
@@ -322,14 +302,14 @@ impl JointMoments<'_> {
     }
 
     /// Products of the columns of the terms and of the friction torque.
-    fn moments(&self, share: &ShareSums, library: &[(String, usize)]) -> Moments {
-        let products = &share.products[self.joint];
+    fn moments(&self, share: &ShareSums<f64>, library: &[(String, usize)]) -> Moments {
+        let products = share.joints[self.joint].matrix(self.factors.len());
         let mut map = DMatrix::zeros(products.nrows(), library.len() + 1);
         for (column, (_, place)) in library.iter().enumerate() {
             map[(*place, column)] = 1.0;
         }
         map.set_column(library.len(), self.factors);
         let names = library.iter().map(|(name, _)| name.clone()).collect();
-        Moments::of_products(names, share.samples, map.transpose() * products * map)
+        Moments::of_products(names, share.samples as usize, map.transpose() * products * map)
     }
 }

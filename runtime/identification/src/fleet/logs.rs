@@ -1,10 +1,12 @@
 //! Moments (sums of products) of logs, and the sum of the moments of several logs.
 
 use super::super::error::{IdentificationError, Result, at};
+use super::super::estimation::ShareSums;
 use super::super::log::hexadecimal;
 use super::super::run::Effort;
 use super::exact::Exact;
 use gelenk_findings::{Finding, Rule};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Sees: warnings of fits to single logs, counted.
@@ -22,7 +24,7 @@ pub(super) type Hash = [u8; 32];
 /// Moments of one or several logs: sums of products of the columns of each joint's equation (regressor and measured force).
 /// First the mean of each run is subtracted from the columns, except in the equations of joints with a quaternion. The samples
 /// are divided into 16 groups (shares) with separate sums. The size of moments does not depend on the length of the logs.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LogMoments {
     pub(super) about: About,
     /// Logs, ascending by their hashes.
@@ -35,7 +37,7 @@ pub struct LogMoments {
 }
 
 /// Properties that must be equal for moments to be added.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct About {
     /// SHA-256 of the description and of the options for reading it.
     pub(super) description: Hash,
@@ -50,7 +52,7 @@ pub(super) struct About {
 }
 
 /// A log that was reduced to moments (sums of products).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ReducedLog {
     /// File name of the log.
     pub name: String,
@@ -71,7 +73,7 @@ pub struct ReducedLog {
 }
 
 /// A doubt of the fits to single logs. Doubts with the same joint and kind are combined and counted.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Doubt {
     /// Index of the joint; `None` if the doubt is about all joints.
     pub(super) joint: Option<u32>,
@@ -84,7 +86,7 @@ pub(super) struct Doubt {
 }
 
 /// A log, and a doubt about it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct DoubtedLog {
     pub(super) hash: Hash,
     pub(super) name: String,
@@ -93,7 +95,7 @@ pub(super) struct DoubtedLog {
 }
 
 /// Properties of a joint in addition to its sums of products.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct JointFacts {
     /// Largest range of positions in a run [rad or m].
     pub(super) span: f64,
@@ -103,25 +105,7 @@ pub(super) struct JointFacts {
 }
 
 /// Sums over the pieces of a share.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Share {
-    pub(super) samples: u64,
-    /// Sums of each joint; empty for a share without samples.
-    pub(super) joints: Vec<JointSums>,
-}
-
-/// Sums of products of one joint.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct JointSums {
-    /// Σ w, with the weights w of the samples.
-    pub(super) weight: Exact,
-    /// Sums of squares that the reduced weights w of outliers remove: Σ (1 − w) r² and Σ (1 − w)(z − z̄)², in squared units of
-    /// the effort, with the residual r and the measured effort z.
-    pub(super) lost: [Exact; 2],
-    /// Lower triangle, row by row, of Σ w (x − x̄)(x − x̄)ᵀ of the columns x with their means x̄; of Σ w x xᵀ for a joint with
-    /// a quaternion.
-    pub(super) products: Vec<Exact>,
-}
+pub(super) type Share = ShareSums<Exact>;
 
 impl ReducedLog {
     /// Returns the SHA-256 of the log's bytes, in hexadecimal.
@@ -187,7 +171,7 @@ impl LogMoments {
             joint.add(other)?;
         }
         for (share, other) in self.shares.iter_mut().zip(other.shares) {
-            share.add(other)?;
+            add_share(share, other)?;
         }
         Ok(())
     }
@@ -222,20 +206,19 @@ impl JointFacts {
     }
 }
 
-impl Share {
-    pub(super) fn add(&mut self, other: Self) -> Result<()> {
-        self.samples = self.samples.saturating_add(other.samples);
-        if self.joints.is_empty() {
-            self.joints = other.joints;
-            return Ok(());
-        }
-        for (joint, other) in self.joints.iter_mut().zip(&other.joints) {
-            joint.weight = joint.weight.plus(other.weight)?;
-            add_all(&mut joint.lost, &other.lost)?;
-            add_all(&mut joint.products, &other.products)?;
-        }
-        Ok(())
+/// Adds the sums of another share.
+pub(super) fn add_share(share: &mut Share, other: Share) -> Result<()> {
+    share.samples = share.samples.saturating_add(other.samples);
+    if share.joints.is_empty() {
+        share.joints = other.joints;
+        return Ok(());
     }
+    for (joint, other) in share.joints.iter_mut().zip(&other.joints) {
+        joint.weight = joint.weight.plus(other.weight)?;
+        add_all(&mut joint.lost, &other.lost)?;
+        add_all(&mut joint.products, &other.products)?;
+    }
+    Ok(())
 }
 
 fn add_all(sums: &mut [Exact], others: &[Exact]) -> Result<()> {
