@@ -223,7 +223,7 @@ fn solve_triangular(
 /// Returns the factor R of the Householder factorization of `[Θ | Y]`, with the columns Θ of the terms and
 /// the targets Y. R is a q × q matrix for q columns, and is computed block by block.
 pub(crate) fn triangular_factor(samples: &Samples) -> DMatrix<f64> {
-    let q = samples.names().len() + samples.targets();
+    let q = samples.width();
     let mut r = DMatrix::<f64>::zeros(q, q);
     samples.visit(0..samples.len(), &mut |columns| {
         let n = columns[0].len();
