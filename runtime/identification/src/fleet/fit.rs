@@ -5,7 +5,7 @@ use super::super::error::{IdentificationError, Result, at};
 use super::super::estimation::{
     Columns, Estimate, Gravity, ShareSums, SharedData, SharedEstimate, estimate_shares,
 };
-use super::super::friction::{FrictionData, Setting, SharedFriction};
+use super::super::friction::{FrictionData, SETTINGS, SharedFriction, note_on_direction};
 use super::super::identify::{Identification, IdentificationSettings, JointFriction, unless_refused};
 use super::super::log::{Labels, Recording};
 use super::super::methods::moments::Moments;
@@ -186,14 +186,18 @@ impl LogMoments {
     }
 
     /// Number, duration and filters of the logs.
-    fn summary(&self) -> Setting {
-        Setting::Moments {
-            logs: self.logs.len(),
-            samples: self.samples(),
-            seconds: self.logs.iter().map(|log| log.seconds).sum(),
-            shares: self.shares(),
-            bandwidths: self.range(&|log| [log.bandwidth; 2]),
-        }
+    fn summary(&self) -> Finding {
+        let [narrow, wide] = self.range(&|log| [log.bandwidth; 2]);
+        let range = if narrow < wide { format!("{narrow:.3} to ") } else { String::new() };
+        SETTINGS.found(format!(
+            "moments of {}, {} samples, {:.1} s, in {} groups for cross-validation, low-pass filter {range}{wide:.3} Hz. R² is \
+             computed with one offset for each run. The values of these offsets cannot be computed from moments, so they are not \
+             reported",
+            counted(self.logs.len(), "log", "logs"),
+            self.samples(),
+            self.logs.iter().map(|log| log.seconds).sum::<f64>(),
+            self.shares()
+        ))
     }
 
     /// Findings about different filters and different delays of the logs.
@@ -227,7 +231,7 @@ impl LogMoments {
         // Signals do not pass this filter, which only has the bandwidth for the report.
         let sample_rate = 10.0 * bandwidth;
         let filter = Filter::new(bandwidth, 1.0 / sample_rate)?;
-        let findings = vec![OF_MOMENTS.found(self.summary().to_string())];
+        let findings = vec![OF_MOMENTS.found(self.summary().message)];
         Ok(PreparationReport { joints: Vec::new(), delays: Vec::new(), filter, sample_rate, findings })
     }
 
@@ -259,7 +263,7 @@ impl JointMoments<'_> {
         settings: &IdentificationSettings,
         estimate: &Estimate,
         data: &str,
-        summary: &Setting,
+        summary: &Finding,
     ) -> JointFriction {
         let of_joint = &estimate.joints[self.joint];
         let (library, left_out) = self.seen();
@@ -289,7 +293,7 @@ impl JointMoments<'_> {
     }
 
     /// The library without asymmetric terms that the logs do not determine, and the terms that were left out.
-    fn seen(&self) -> (Vec<(String, usize)>, Option<Setting>) {
+    fn seen(&self) -> (Vec<(String, usize)>, Option<Finding>) {
         let names: Vec<String> = self.library.iter().map(|(name, _)| name.clone()).collect();
         let [vv, v, tt, t] = self.facts.directions.map(Exact::value);
         let energies = |term: usize| {
@@ -297,8 +301,7 @@ impl JointMoments<'_> {
             [0.5 * (all + signed), 0.5 * (all - signed)]
         };
         let (kept, out) = seen_both_ways(&names, energies);
-        let left_out = (!out.is_empty()).then_some(Setting::OneDirection(out));
-        (kept.into_iter().map(|term| self.library[term].clone()).collect(), left_out)
+        (kept.into_iter().map(|term| self.library[term].clone()).collect(), note_on_direction(&out))
     }
 
     /// Products of the columns of the terms and of the friction torque.

@@ -5,8 +5,9 @@ use super::super::methods::library::Library;
 use super::super::methods::moments::{Moments, Samples, contiguous_blocks};
 use super::super::methods::subset::seen_both_ways;
 use super::levels;
-use super::settings::Setting;
+use super::settings::note_on_direction;
 use super::task::{FrictionData, FrictionIdentification, Offsets};
+use gelenk_findings::Finding;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -17,8 +18,8 @@ pub(super) struct Design<'a> {
     pub(super) library: Library,
     columns: Vec<Vec<f64>>,
     pub(super) runs: Vec<Range<usize>>,
-    /// Sentences on terms that were left out of the library, with reasons.
-    pub(super) notes: Vec<Setting>,
+    /// Notes on terms that were left out of the library, with reasons.
+    pub(super) notes: Vec<Finding>,
 }
 
 impl<'a> Design<'a> {
@@ -83,8 +84,8 @@ pub(super) fn runs(data: &FrictionData) -> Vec<Range<usize>> {
     data.runs.map_or_else(|| vec![whole], <[_]>::to_vec)
 }
 
-/// The terms of a library that may be part of a law at these velocities, and sentences on the terms that were left out.
-fn seen(library: &Library, offsets: Offsets, velocities: &[f64]) -> Result<(Library, Vec<Setting>)> {
+/// The terms of a library that may be part of a law at these velocities, and notes on the terms that were left out.
+fn seen(library: &Library, offsets: Offsets, velocities: &[f64]) -> Result<(Library, Vec<Finding>)> {
     let library = if offsets == Offsets::PartOfLaw { library.clone() } else { without_constants(library)? };
     let matrix = library.matrix(&[velocities])?;
     let energies = |term: usize| {
@@ -100,8 +101,7 @@ fn seen(library: &Library, offsets: Offsets, velocities: &[f64]) -> Result<(Libr
             })
     });
     let told_apart: Vec<usize> = told_apart.map(|(_, term)| *term).collect();
-    let note = (!out.is_empty()).then_some(Setting::OneDirection(out));
-    Ok((library.only(&told_apart)?, note.into_iter().collect()))
+    Ok((library.only(&told_apart)?, note_on_direction(&out).into_iter().collect()))
 }
 
 /// Whether one column is a multiple of the other within the errors of the data.

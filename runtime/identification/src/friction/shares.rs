@@ -12,7 +12,6 @@ use super::findings::Findings;
 use super::held_out::held_out;
 use super::report::FrictionReport;
 use super::selection::FrictionMethod;
-use super::settings::Setting;
 use super::task::{FrictionData, FrictionIdentification};
 use super::terms::{Candidates, probabilities};
 use nalgebra::DVector;
@@ -42,7 +41,7 @@ impl FrictionIdentification {
         let reduced = Reduced::from_moments(Moments::sum(&data.shares)?)?;
         let library = Library::new(reduced.moments().names(), &["v"])?;
         let mut findings = Findings::new(&data.about);
-        findings.note_library(&library, true, reduced.condition());
+        findings.note_library(&library, " in addition to the offset of each run", reduced.condition());
         let shares = || Ok(data.shares.clone());
         let candidates = Candidates {
             library: &library,
@@ -51,7 +50,9 @@ impl FrictionIdentification {
             velocity_range: data.velocity_range,
         };
         if matches!(self.method, FrictionMethod::Ladder(_)) {
-            findings.note(&Setting::NoSamples);
+            findings.note(
+                "the Stribeck law was not tried, because a file of moments does not contain the single samples",
+            );
         }
         let fitted = candidates.fitted(self, &mut findings)?;
         let (coefficients, active) = (&fitted.solution.coefficients, &fitted.solution.active);

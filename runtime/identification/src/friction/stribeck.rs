@@ -14,7 +14,6 @@ use super::judgement::LawFit;
 use super::levels;
 use super::passivity::beyond;
 use super::report::FrictionReport;
-use super::settings::Setting;
 use super::task::{FrictionData, FrictionIdentification};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
@@ -96,7 +95,10 @@ impl<'a> Attempt<'a> {
         };
         let fit = regression.fit_runs(&samples)?.with_correlated_errors(&samples);
         let mut findings = Findings::new(data);
-        findings.note(&Setting::Stribeck { starts: regression.starts, passes: fit.iterations });
+        findings.note(format!(
+            "the Stribeck law was fitted by nonlinear least squares with equal weights of all samples ({} starts, {} passes)",
+            regression.starts, fit.iterations
+        ));
         if settings.passive {
             refuse_driving(&fit, &mut findings);
         }

@@ -15,7 +15,6 @@ use super::judgement::LawFit;
 use super::passivity::{doubt, passive, restrict};
 use super::report::FrictionReport;
 use super::selection::{Chosen, Selection, choose};
-use super::settings::Setting;
 use super::task::{FrictionData, FrictionIdentification};
 use nalgebra::DMatrix;
 
@@ -46,10 +45,10 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
 }
 
 fn describe_library(design: &Design, reduced: &Reduced, findings: &mut Findings) {
-    findings.note_library(&design.library, false, reduced.condition());
-    design.notes.iter().for_each(|note| findings.note(note));
+    findings.note_library(&design.library, "", reduced.condition());
+    findings.notes.extend_from_slice(&design.notes);
     if reduced.is_orthogonal() {
-        findings.note(&Setting::Orthogonal);
+        findings.note("solved by orthogonal factorization");
     }
 }
 
