@@ -3,20 +3,12 @@
 use super::levels;
 use super::settings::PayloadSettings;
 use crate::error::{IdentificationError, Result, require_length, require_samples};
-use crate::estimation::{distance, inverse};
+use crate::estimation::{BlockSums, FRICTION, Piece, distance, inverse, sums_of_blocks};
 use crate::inertial::PER_BODY;
-use crate::numeric::statistics::largest;
 use crate::pose::rows_of;
 use crate::robot::Robot;
 use crate::run::{Effort, PreparedRun};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
-
-/// Widths of smoothed Coulomb friction, as shares of the joint's largest speed. Terms of these widths approximate any
-/// friction curve with a steep start.
-const WIDTHS: [f64; 3] = [0.005, 0.03, 0.15];
-
-/// Number of friction columns of a joint: constant, viscous, and the smoothed signs.
-const TERMS: usize = 2 + WIDTHS.len();
 
 /// Smallest assumed standard deviation of a residual, as a share of the effort. It is needed for simulated logs without noise.
 const QUIETEST: f64 = 1e-9;
@@ -43,7 +35,7 @@ pub(super) struct Equations {
 /// Sums of products of a joint's rows.
 struct Sums {
     gram: DMatrix<f64>,
-    rows: usize,
+    rows: f64,
 }
 
 impl Sums {
@@ -77,27 +69,41 @@ impl Equations {
         {
             require_samples(what, 1, runs.len())?;
         }
-        let columns = Columns::new(robot, without.iter().chain(with), body)?;
-        let count = |runs: &[PreparedRun]| runs.iter().map(|run| run.times.len()).sum::<usize>();
-        let samples = count(without) + count(with);
-        require_samples(
-            "the estimate of a payload from both logs",
-            levels::BLOCKS.get() * PER_BODY,
-            samples,
-        )?;
-        let length = samples.div_ceil(levels::BLOCKS.get());
-        let mut blocks = Vec::new();
-        columns.add_blocks(without, false, length, &mut blocks);
-        let loaded_from = blocks.len();
-        columns.add_blocks(with, true, length, &mut blocks);
-        let mut prior = DMatrix::zeros(columns.nuisance, columns.nuisance);
-        columns.hold(settings.weight, &mut prior)?;
+        let runs = [without, with].concat();
+        check(robot, &runs)?;
+        let samples = runs.iter().map(|run| run.times.len()).sum::<usize>();
+        let enough = levels::BLOCKS.get() * PER_BODY;
+        require_samples("the estimate of a payload from both logs", enough, samples)?;
+        let pieces = pieces(&runs, without.len(), samples.div_ceil(levels::BLOCKS.get()));
+        let loaded_from =
+            pieces.iter().find(|piece| piece.run >= without.len()).map_or(0, |piece| piece.fold);
+        let (joints, parameters) = (robot.joint_names().len(), robot.parameters().len());
+        let nuisance = parameters + FRICTION * joints;
+        let exact = rows_of(&robot.quaternion_joints(), joints);
+        let map = |joint: usize, is_loaded: bool| {
+            let mut map = DMatrix::zeros(parameters + FRICTION + 2, nuisance + PER_BODY + 1);
+            (0..parameters).for_each(|i| map[(i, i)] = 1.0);
+            let own = (0..FRICTION).filter(|_| !exact[joint]);
+            own.for_each(|term| map[(parameters + term, parameters + FRICTION * joint + term)] = 1.0);
+            let load = (0..PER_BODY).filter(|_| is_loaded);
+            load.for_each(|k| map[(PER_BODY * body + k, nuisance + k)] = 1.0);
+            map[(parameters + FRICTION, nuisance + PER_BODY)] = -1.0;
+            map[(parameters + FRICTION + 1, nuisance + PER_BODY)] = 1.0;
+            map
+        };
+        let maps = [false, true].map(|is_loaded| (0..joints).map(|j| map(j, is_loaded)).collect::<Vec<_>>());
+        let sums = sums_of_blocks(robot, &runs, &pieces, levels::STICKING.get())?;
+        let of_block = |(block, sums): (usize, Vec<BlockSums>)| {
+            let sums = sums.iter().zip(&maps[usize::from(block >= loaded_from)]);
+            sums.map(|(sums, map)| Sums { gram: map.tr_mul(&(&sums.products * map)), rows: sums.samples })
+                .collect()
+        };
         Ok(Self {
-            nuisance: columns.nuisance,
-            joints: columns.joints,
-            blocks,
+            nuisance,
+            joints,
+            blocks: sums.into_iter().enumerate().map(of_block).collect(),
             loaded_from,
-            prior,
+            prior: prior(robot, nuisance, settings.weight)?,
             weight: settings.weight,
         })
     }
@@ -110,7 +116,7 @@ impl Equations {
     /// Sum over all blocks of one joint.
     fn joint(&self, joint: usize) -> Sums {
         let size = self.nuisance + PER_BODY + 1;
-        let mut total = Sums { gram: DMatrix::zeros(size, size), rows: 0 };
+        let mut total = Sums { gram: DMatrix::zeros(size, size), rows: 0.0 };
         self.blocks.iter().for_each(|block| total.add(&block[joint]));
         total
     }
@@ -119,13 +125,14 @@ impl Equations {
     /// which is found by iteration.
     pub(super) fn weights(&self) -> Result<Vec<f64>> {
         let all: Vec<Sums> = (0..self.joints).map(|j| self.joint(j)).collect();
-        require_samples("the estimate of a payload from moving joints", 1, all.iter().map(|s| s.rows).sum())?;
+        let rows: f64 = all.iter().map(|sums| sums.rows).sum();
+        require_samples("the estimate of a payload from moving joints", 1, rows as usize)?;
         let last = self.nuisance + PER_BODY;
         let weight = |square: f64, sums: &Sums| {
             let floor = QUIETEST * QUIETEST * sums.gram[(last, last)];
             match square.max(floor) {
-                _ if sums.rows == 0 => 0.0,
-                square if square > 0.0 => sums.rows as f64 / square,
+                _ if sums.rows == 0.0 => 0.0,
+                square if square > 0.0 => sums.rows / square,
                 _ => 1.0,
             }
         };
@@ -226,157 +233,48 @@ fn stiffen(matrix: &mut DMatrix<f64>, range: std::ops::Range<usize>) {
     }
 }
 
-/// Inputs from which the columns of all rows are computed.
-struct Columns<'a> {
-    robot: &'a dyn Robot,
-    joints: usize,
-    parameters: usize,
-    nuisance: usize,
-    body: usize,
-    /// B, row by row.
-    input_matrix: Vec<f64>,
-    /// Largest speed of each joint. A joint at rest has no rows.
-    speeds: Vec<f64>,
-    /// Whether each row is that of a joint with a quaternion.
-    exact: Vec<bool>,
-    /// Whether the force of each row is known in all runs.
-    known: Vec<bool>,
+/// Fails if runs do not match the robot, or if their efforts are currents without described motor constants.
+fn check(robot: &dyn Robot, runs: &[PreparedRun]) -> Result<()> {
+    let effort = runs[0].effort;
+    if effort == Effort::Current {
+        let given = robot.described_currents().into_iter().filter(|is_given| *is_given).count();
+        let what = "motor constants (`motor_constant` of the drives), which logs of currents need";
+        require_length(what, robot.input_names().len(), given)?;
+    }
+    // A robot with a floating base may have joints without a sensor, whose efforts are NaN throughout.
+    let may_lack = !robot.quaternion_joints().is_empty();
+    runs.iter().try_for_each(|run| run.check(robot, effort, may_lack))
 }
 
-impl<'a> Columns<'a> {
-    fn new<'b>(
-        robot: &'a dyn Robot,
-        runs: impl Iterator<Item = &'b PreparedRun>,
-        body: usize,
-    ) -> Result<Self> {
-        let runs: Vec<&PreparedRun> = runs.collect();
-        let (joints, parameters) = (robot.joint_names().len(), robot.parameters().len());
-        let effort = runs[0].effort;
-        if effort == Effort::Current {
-            let given = robot.described_currents().into_iter().filter(|is_given| *is_given).count();
-            let what = "motor constants (`motor_constant` of the drives), which logs of currents need";
-            require_length(what, robot.input_names().len(), given)?;
-        }
-        let quaternions = robot.quaternion_joints();
-        for run in &runs {
-            run.check(robot, effort, !quaternions.is_empty())?;
-        }
-        let speeds = (0..joints).map(|j| largest(runs.iter().flat_map(|run| &run.velocities[j]))).collect();
-        let nuisance = parameters + TERMS * joints;
-        let exact = rows_of(&quaternions, joints);
-        // A robot with a floating base may have joints without a sensor, whose efforts are NaN throughout.
-        let is_known = |j: usize| {
-            effort != Effort::Joint
-                || runs.iter().all(|run| run.efforts[j].first().is_none_or(|u| !u.is_nan()))
-        };
-        let known = (0..joints).map(is_known).collect();
-        Ok(Self {
-            robot,
-            joints,
-            parameters,
-            nuisance,
-            body,
-            input_matrix: robot.input_matrix(),
-            speeds,
-            exact,
-            known,
-        })
-    }
-
-    /// Adds sums of products of blocks of about `length` samples. Short runs share a block.
-    fn add_blocks(&self, runs: &[PreparedRun], loaded: bool, length: usize, blocks: &mut Vec<Vec<Sums>>) {
-        let mut filled = length;
-        for run in runs {
-            for start in (0..run.times.len()).step_by(length) {
-                let range = start..run.times.len().min(start + length);
-                let products = self.products(run, range.clone(), loaded);
-                match blocks.last_mut() {
-                    Some(last) if filled < length => {
-                        last.iter_mut().zip(&products).for_each(|(a, b)| a.add(b))
-                    }
-                    _ => {
-                        blocks.push(products);
-                        filled = 0;
-                    }
-                }
-                filled += range.len();
+/// Cuts the runs into blocks of about `length` samples. Short runs share a block. A block begins with the run `loaded`.
+fn pieces(runs: &[PreparedRun], loaded: usize, length: usize) -> Vec<Piece> {
+    let (mut pieces, mut blocks, mut filled) = (Vec::new(), 0, length);
+    for (run, samples) in runs.iter().enumerate() {
+        filled = if run == loaded { length } else { filled };
+        for start in (0..samples.times.len()).step_by(length) {
+            let rows = start..samples.times.len().min(start + length);
+            if filled >= length {
+                (blocks, filled) = (blocks + 1, 0);
             }
+            filled += rows.len();
+            pieces.push(Piece { run, fold: blocks - 1, rows });
         }
     }
+    pieces
+}
 
-    /// Sums of products of the rows of each joint.
-    fn products(&self, run: &PreparedRun, range: std::ops::Range<usize>, loaded: bool) -> Vec<Sums> {
-        let width = self.nuisance + PER_BODY + 1;
-        let mut rows = vec![DMatrix::zeros(range.len(), width); self.joints];
-        let mut counts = vec![0; self.joints];
-        let mut regressor = vec![0.0; self.joints * self.parameters];
-        let mut forces = vec![0.0; self.joints];
-        for (row, i) in range.enumerate() {
-            let [y, v, a] = run.state(i);
-            regressor.fill(0.0);
-            self.robot.inertial_regressor(&y, &v, &a, &mut regressor);
-            self.robot.rigid_forces(&y, &v, &a, &mut forces);
-            for (j, matrix) in rows.iter_mut().enumerate().filter(|(j, _)| self.tells(run, *j, i)) {
-                counts[j] += 1;
-                let w = &regressor[j * self.parameters..(j + 1) * self.parameters];
-                self.write(&mut matrix.row_mut(row), j, w, v[j], loaded);
-                matrix[(row, width - 1)] = run.force(&self.input_matrix, j, i) - forces[j];
-            }
-        }
-        rows.iter().zip(counts).map(|(m, rows)| Sums { gram: m.tr_mul(m), rows }).collect()
-    }
-
-    /// Whether a sample of a joint contains information on the load: the force is known, and the joint moves, so that
-    /// static friction or a brake does not hold it.
-    fn tells(&self, run: &PreparedRun, joint: usize, sample: usize) -> bool {
-        let speed = run.velocities[joint][sample].abs();
-        let slides = speed > levels::STICKING.get() * self.speeds[joint] && !run.rests(joint, sample);
-        self.known[joint] && (self.exact[joint] || slides)
-    }
-
-    /// Writes one row without its target.
-    fn write(
-        &self,
-        row: &mut nalgebra::MatrixViewMut<f64, nalgebra::U1, Dyn, nalgebra::U1, Dyn>,
-        joint: usize,
-        w: &[f64],
-        velocity: f64,
-        loaded: bool,
-    ) {
-        for (k, x) in w.iter().enumerate() {
-            row[k] = *x;
-        }
-        if loaded {
-            for k in 0..PER_BODY {
-                row[self.nuisance + k] = w[PER_BODY * self.body + k];
-            }
-        }
-        if self.exact[joint] {
-            return;
-        }
-        let at = self.parameters + TERMS * joint;
-        let share = velocity / self.speeds[joint];
-        row[at] = 1.0;
-        row[at + 1] = share;
-        for (k, width) in WIDTHS.iter().enumerate() {
-            row[at + 2 + k] = (share / width).tanh();
-        }
-    }
-
-    /// Writes the prior that holds the error of the description near zero: the metric of bodies, and relative
-    /// changes of rotor inertias.
-    fn hold(&self, weight: f64, prior: &mut DMatrix<f64>) -> Result<()> {
-        let described = self.robot.parameters();
-        let bodies = PER_BODY * self.robot.bodies();
-        require_length("inertial parameters of the bodies", bodies, described.len().min(bodies))?;
-        let (metric, held) = distance(&described, self.robot.bodies());
-        // The objective is half of the sum of squares, so the distance has the factor two.
-        let mut own = metric * (2.0 * weight);
-        // Bodies without mass and rotors without inertia stay the same.
-        (0..held.len()).filter(|i| held[*i]).for_each(|i| own[(i, i)] = weight / HELD.powi(2));
-        prior.view_mut((0, 0), own.shape()).copy_from(&own);
-        Ok(())
-    }
+/// Prior that holds the error of the description near zero: the metric of bodies, and relative changes of rotor inertias.
+/// Friction is free.
+fn prior(robot: &dyn Robot, nuisance: usize, weight: f64) -> Result<DMatrix<f64>> {
+    let described = robot.parameters();
+    let bodies = PER_BODY * robot.bodies();
+    require_length("inertial parameters of the bodies", bodies, described.len().min(bodies))?;
+    let (metric, held) = distance(&described, robot.bodies());
+    // The objective is half of the sum of squares, so the distance has the factor two.
+    let mut own = metric * (2.0 * weight);
+    // Bodies without mass and rotors without inertia stay the same.
+    (0..held.len()).filter(|i| held[*i]).for_each(|i| own[(i, i)] = weight / HELD.powi(2));
+    Ok(own.resize(nuisance, nuisance, 0.0))
 }
 
 fn singular() -> IdentificationError {
