@@ -38,7 +38,9 @@ impl Errors {
         binding: &DMatrix<f64>,
         residuals: &[f64],
     ) -> Result<Self> {
-        let bread = inverse_gram(design, active, binding)?;
+        let root = triangular_factor(&design.samples_of(active)?);
+        let root = root.view((0, 0), (active.len(), active.len())).into_owned();
+        let bread = inverse_on_face(root, &binding.select_columns(active));
         let scores: Vec<Vec<f64>> = active.iter().map(|&i| score(design, i, residuals)).collect();
         let errors = Correlated::new(&bread, &scores, &design.runs);
         let found = Self {
@@ -69,7 +71,8 @@ impl Errors {
         binding: &DMatrix<f64>,
     ) -> Self {
         let gram = reduced.moments().gram().select_rows(active).select_columns(active);
-        let bread = inverse_on_face(&gram, &binding.select_columns(active));
+        let root = gram.clone().cholesky().map_or_else(|| 0.0 * &gram, |factor| factor.l().transpose());
+        let bread = inverse_on_face(root, &binding.select_columns(active));
         let count = shares.len() as f64;
         let mut scores = DMatrix::zeros(active.len(), active.len());
         for share in shares {
@@ -136,33 +139,19 @@ fn alone(design: &Design, term: usize, score: &[f64]) -> f64 {
     LongRun::of_sum(score, &design.runs).standard_error() / energy
 }
 
-/// `(ΘᵀΘ)⁻¹` of the columns Θ of the active terms, within the subspace that active constraints leave, by
-/// orthogonal factorization.
-fn inverse_gram(design: &Design, active: &[usize], binding: &DMatrix<f64>) -> Result<DMatrix<f64>> {
-    let (p, samples) = (active.len(), design.samples_of(active)?);
-    let r = triangular_factor(&samples).view((0, 0), (p, p)).into_owned();
-    let z = null_space(&binding.select_columns(active), p);
-    if z.ncols() == 0 {
-        // Constraints fix all coefficients.
-        return Ok(DMatrix::zeros(p, p));
-    }
-    let svd = spectrum::svd(r * &z);
-    let limit = 1e-12 * svd.singular_values.amax();
-    let Some(v_t) = svd.v_t else { return Ok(DMatrix::zeros(p, p)) };
-    let inverse = svd.singular_values.map(|s| if s > limit { 1.0 / (s * s) } else { 0.0 });
-    let inner = v_t.transpose() * DMatrix::from_diagonal(&inverse) * v_t;
-    Ok(&z * inner * z.transpose())
-}
-
-/// The inverse of a Gram matrix within the subspace that active constraints leave.
-fn inverse_on_face(gram: &DMatrix<f64>, binding: &DMatrix<f64>) -> DMatrix<f64> {
-    let z = null_space(binding, gram.nrows());
-    if z.ncols() == 0 {
-        // Constraints fix all coefficients.
-        return DMatrix::zeros(gram.nrows(), gram.nrows());
-    }
-    let inner = spectrum::svd(z.transpose() * gram * &z).pseudo_inverse(1e-14 * gram.amax());
-    inner.map_or_else(|_| DMatrix::zeros(gram.nrows(), gram.nrows()), |inner| &z * inner * z.transpose())
+/// `(RᵀR)⁻¹` within the subspace that active constraints leave, by orthogonal factorization.
+fn inverse_on_face(root: DMatrix<f64>, binding: &DMatrix<f64>) -> DMatrix<f64> {
+    let count = root.ncols();
+    let z = null_space(binding, count);
+    // Constraints may fix all coefficients.
+    let svd = (z.ncols() > 0).then(|| spectrum::svd(root * &z));
+    let Some((values, v_t)) = svd.and_then(|svd| Some((svd.singular_values, svd.v_t?))) else {
+        return DMatrix::zeros(count, count);
+    };
+    let limit = 1e-12 * values.amax();
+    let inverse = values.map(|s| if s > limit { 1.0 / (s * s) } else { 0.0 });
+    let half = z * v_t.transpose();
+    &half * DMatrix::from_diagonal(&inverse) * half.transpose()
 }
 
 /// Orthonormal columns that span the null space of the rows.
