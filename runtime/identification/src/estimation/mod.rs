@@ -50,7 +50,7 @@ pub(crate) use {
     blocks::{BlockSums, FRICTION, sums_of_blocks},
     described::described_ratio,
     intervals::correlation_time,
-    normal::inverse,
+    normal::{inverse, with_ridge},
     prior::distance,
     residuals::{huber, robust_deviation},
     result::CommonTerms,

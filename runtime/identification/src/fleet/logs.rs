@@ -154,12 +154,27 @@ impl LogMoments {
     pub fn sum<E: From<IdentificationError>>(
         parts: impl IntoIterator<Item = std::result::Result<(Self, String), E>>,
     ) -> std::result::Result<Self, E> {
-        let mut sum = Sum::default();
+        let mut sum: Option<(Self, String)> = None;
+        // Origin of each log, with the hash of its samples as key: the name of the file of moments, and the log's name there.
+        let mut places: BTreeMap<Hash, (String, String)> = BTreeMap::new();
         for part in parts {
             let (moments, place) = part?;
-            sum.add(moments, &place)?;
+            if let Some((total, first)) = &sum {
+                require_same(&total.about, &moments.about, first, &place)?;
+            }
+            for log in &moments.logs {
+                let known = places.insert(log.content, (place.clone(), log.name.clone()));
+                if let Some((before, name)) = known {
+                    return Err(twice(&place, &log.name, &before, &name).into());
+                }
+            }
+            match &mut sum {
+                Some((total, _)) => total.add(moments)?,
+                None => sum = Some((moments, place)),
+            }
         }
-        Ok(sum.total.ok_or_else(|| IdentificationError::Empty { what: "the list of moments".into() })?)
+        let sum = sum.map(|(total, _)| total);
+        Ok(sum.ok_or_else(|| IdentificationError::Empty { what: "the list of moments".into() })?)
     }
 
     /// Adds moments of the same robot and options.
@@ -226,40 +241,6 @@ fn add_all(sums: &mut [Exact], others: &[Exact]) -> Result<()> {
         *sum = sum.plus(*other)?;
         Ok(())
     })
-}
-
-/// A sum of moments while parts are added.
-#[derive(Debug, Default)]
-struct Sum {
-    total: Option<LogMoments>,
-    /// Name of the file of the first moments.
-    first: String,
-    /// Origin of each log, with the hash of its samples as key: the name of the file of moments, and the log's name there.
-    places: BTreeMap<Hash, (String, String)>,
-}
-
-impl Sum {
-    /// Adds moments from the file `place`.
-    fn add(&mut self, moments: LogMoments, place: &str) -> Result<()> {
-        if let Some(total) = &self.total {
-            require_same(&total.about, &moments.about, &self.first, place)?;
-        } else {
-            place.clone_into(&mut self.first);
-        }
-        for log in &moments.logs {
-            let known = self.places.insert(log.content, (place.to_owned(), log.name.clone()));
-            if let Some((before, name)) = known {
-                return Err(twice(place, &log.name, &before, &name));
-            }
-        }
-        match &mut self.total {
-            Some(total) => total.add(moments),
-            None => {
-                self.total = Some(moments);
-                Ok(())
-            }
-        }
-    }
 }
 
 fn twice(place: &str, name: &str, before: &str, other: &str) -> IdentificationError {

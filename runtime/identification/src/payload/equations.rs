@@ -3,7 +3,7 @@
 use super::levels;
 use super::settings::PayloadSettings;
 use crate::error::{IdentificationError, Result, require_length, require_samples};
-use crate::estimation::{BlockSums, FRICTION, Piece, distance, inverse, sums_of_blocks};
+use crate::estimation::{BlockSums, FRICTION, Piece, distance, inverse, sums_of_blocks, with_ridge};
 use crate::inertial::PER_BODY;
 use crate::pose::rows_of;
 use crate::robot::Robot;
@@ -139,8 +139,7 @@ impl Equations {
         let mut weights: Vec<f64> = all.iter().map(|s| weight(s.gram[(last, last)], s)).collect();
         for _ in 0..REWEIGHTINGS {
             let reduced = self.reduced(&weights)?;
-            let mut definite = reduced.hessian.clone();
-            stiffen(&mut definite, 0..PER_BODY);
+            let definite = with_ridge(reduced.hessian.clone());
             let load = definite.cholesky().ok_or_else(singular)?.solve(&reduced.linear);
             let x = self.homogeneous(&reduced, &load);
             weights = all.iter().map(|s| weight(x.dot(&(&s.gram * &x)), s)).collect();
@@ -167,8 +166,7 @@ impl Equations {
             total += self.joint(joint).gram * *weight;
         }
         let n = self.nuisance;
-        let mut own = total.view((0, 0), (n, n)) + &self.prior;
-        stiffen(&mut own, 0..n);
+        let own = with_ridge(total.view((0, 0), (n, n)) + &self.prior);
         let coupling = total.view((0, n), (n, PER_BODY)).into_owned();
         let right = total.view((0, n + PER_BODY), (n, 1)).column(0).into_owned();
         let factor = own.cholesky().ok_or_else(singular)?;
@@ -222,14 +220,6 @@ impl Equations {
             _ => None,
         };
         (0..self.joints).map(share).collect()
-    }
-}
-
-/// Makes a semidefinite matrix definite if columns are zero or dependent.
-fn stiffen(matrix: &mut DMatrix<f64>, range: std::ops::Range<usize>) {
-    let least = 1e-14 * matrix.diagonal().amax().max(f64::MIN_POSITIVE);
-    for i in range {
-        matrix[(i, i)] = matrix[(i, i)] * (1.0 + 1e-10) + least;
     }
 }
 
