@@ -8,7 +8,7 @@ use super::levels;
 use super::settings::note_on_direction;
 use super::task::{FrictionData, FrictionIdentification, Offsets};
 use gelenk_findings::Finding;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use std::ops::Range;
 
 /// Columns of the candidate terms.
@@ -17,7 +17,6 @@ pub(super) struct Design<'a> {
     /// The terms of the library that may be part of the law.
     pub(super) library: Library,
     columns: Vec<Vec<f64>>,
-    pub(super) runs: Vec<Range<usize>>,
     /// Notes on terms that were left out of the library, with reasons.
     pub(super) notes: Vec<Finding>,
 }
@@ -25,7 +24,7 @@ pub(super) struct Design<'a> {
 impl<'a> Design<'a> {
     pub(super) fn new(settings: &FrictionIdentification, data: &'a FrictionData<'a>) -> Result<Self> {
         let (library, notes) = seen(&settings.library, settings.offsets, data.velocities)?;
-        Ok(Self { columns: data.columns(&library)?, data, library, runs: runs(data), notes })
+        Ok(Self { columns: data.columns(&library)?, data, library, notes })
     }
 
     /// Samples of all terms for least squares.
@@ -38,20 +37,6 @@ impl<'a> Design<'a> {
         let names: Vec<String> = terms.iter().map(|&i| self.library.terms()[i].clone()).collect();
         let columns = terms.iter().map(|&i| self.columns[i].as_slice()).collect();
         Samples::from_columns(&names, columns, vec![self.data.torques])
-    }
-
-    /// The column of a term.
-    pub(super) fn column(&self, term: usize) -> &[f64] {
-        &self.columns[term]
-    }
-
-    /// Products `Θᵀ F` of some of the terms (Θ) with the terms of another library (F).
-    pub(super) fn products(&self, terms: &[usize], other: &Library) -> Result<DMatrix<f64>> {
-        let others = self.data.columns(other)?;
-        let product = |term: usize, other: &[f64]| -> f64 {
-            self.columns[term].iter().zip(other).map(|(x, f)| x * f).sum()
-        };
-        Ok(DMatrix::from_fn(terms.len(), others.len(), |i, k| product(terms[i], &others[k])))
     }
 
     /// Moments of the folds of the cross-validation.

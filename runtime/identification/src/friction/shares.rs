@@ -5,16 +5,14 @@ use super::super::error::Result;
 use super::super::methods::least_squares::Reduced;
 use super::super::methods::library::Library;
 use super::super::methods::moments::Moments;
-use super::super::numeric::statistics::largest;
-use super::super::result::{FrictionLaw, FrictionResult};
 use super::errors::Errors;
 use super::findings::Findings;
 use super::held_out::held_out;
+use super::judgement::LawFit;
 use super::report::FrictionReport;
 use super::selection::FrictionMethod;
 use super::task::{FrictionData, FrictionIdentification};
 use super::terms::{Candidates, probabilities};
-use nalgebra::DVector;
 
 /// Friction data of one joint without its samples.
 #[derive(Debug, Clone)]
@@ -60,46 +58,20 @@ impl FrictionIdentification {
         let probable = probabilities(&reduced, &errors)?;
         let total: f64 = data.shares.iter().map(|share| share.energy(0)).sum();
         let unseen = held_out(shares(), total, fitted.way(), &mut findings);
-        let held_out = unseen.and_then(|unseen| unseen.r_squared(data.lost));
-        findings.judge(held_out, self.least_r_squared);
-        let law = fitted.law(&library, &errors, probable.as_ref());
-        let fastest = largest(&data.velocity_range);
-        findings.judge_unseen_speeds(&law, fastest)?;
-        let result = FrictionResult {
-            held_out,
+        let moments = reduced.moments();
+        let judged = LawFit {
+            law: fitted.law(&library, &errors, probable.as_ref()),
+            unseen,
+            residuals: Vec::new(),
+            samples: moments.samples(),
+            squares: [moments.residual(0, coefficients), moments.energy(0)],
+            lost: data.lost,
+            velocity_range: data.velocity_range,
+            covariance: errors.covariance,
             freedom: errors.freedom,
-            ..data.result(law, reduced.moments(), coefficients, findings)
+            stribeck: None,
         };
-        let report = FrictionReport { result, covariance: errors.covariance, ..FrictionReport::default() };
+        let report = findings.report(self, judged)?;
         Ok(fitted.complete(report, &candidates, probable))
-    }
-}
-
-impl SharedFriction<'_> {
-    fn result(
-        &self,
-        law: FrictionLaw,
-        moments: &Moments,
-        coefficients: &DVector<f64>,
-        findings: Findings,
-    ) -> FrictionResult {
-        let samples = moments.samples();
-        let rss = moments.residual(0, coefficients) + self.lost;
-        let total = moments.energy(0) + self.lost;
-        let [settings, findings] = findings.parts();
-        FrictionResult {
-            joint: self.about.joint.into(),
-            unit: self.about.unit.into(),
-            velocity_unit: self.about.velocity_unit.into(),
-            law,
-            samples,
-            velocity_range: self.velocity_range,
-            residual: (rss / samples.max(1) as f64).sqrt(),
-            r_squared: if total > 0.0 { 1.0 - rss / total } else { 1.0 },
-            data: self.about.data.into(),
-            settings,
-            findings,
-            ..FrictionResult::default()
-        }
     }
 }

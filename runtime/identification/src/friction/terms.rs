@@ -33,14 +33,14 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
     };
     let fitted = candidates.fitted(settings, &mut findings)?;
     let residuals = design.residuals(&fitted.solution.coefficients);
-    let errors = Errors::of_samples(&design, &fitted.solution.active, &fitted.binding, &residuals)?;
+    let active = &fitted.solution.active;
+    let binding = fitted.binding.select_columns(active);
+    let errors = Errors::of_samples(data, &design.samples_of(active)?, &binding, &residuals)?;
     let probable = probabilities(&reduced, &errors)?;
     let law = fitted.law(&design.library, &errors, probable.as_ref());
     let total = variation(data, &folds(data, settings.folds).concat());
     let unseen = held_out((candidates.folds)(), total, fitted.way(), &mut findings);
-    let (freedom, covariance) = (errors.freedom, errors.covariance);
-    let judged = LawFit { law, unseen, residuals, covariance, freedom, stribeck: None };
-    let report = findings.report(settings, judged)?;
+    let report = findings.report(settings, LawFit::of_samples(data, law, unseen, residuals, errors))?;
     Ok(fitted.complete(report, &candidates, probable))
 }
 

@@ -86,6 +86,11 @@ impl<'a> Samples<'a> {
         self.columns.last().map_or(0, |target| target.len())
     }
 
+    /// Columns of the terms.
+    pub(crate) fn terms(&self) -> &[Cow<'a, [f64]>] {
+        &self.columns[..self.names.len()]
+    }
+
     /// Number of columns of terms and targets.
     pub(crate) fn width(&self) -> usize {
         self.columns.len()
