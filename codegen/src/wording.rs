@@ -27,22 +27,8 @@ pub(crate) fn quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', r"'\''"))
 }
 
-/// The text as a basic string of TOML, with quotes and escapes.
 #[cfg(feature = "cli")]
-pub(crate) fn toml_text(text: &str) -> String {
-    let mut out = String::from("\"");
-    for letter in text.chars() {
-        match letter {
-            '"' | '\\' => out.extend(['\\', letter]),
-            control if control.is_control() => {
-                out.push_str(&format!("\\u{:04X}", u32::from(control)));
-            }
-            other => out.push(other),
-        }
-    }
-    out.push('"');
-    out
-}
+pub(crate) use gelenk_formula::toml_text;
 
 /// The number with three significant digits: `0.0123`, `63.8`, `2.41e-35`.
 pub(crate) fn three_digits(x: f64) -> String {

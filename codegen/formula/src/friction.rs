@@ -144,6 +144,22 @@ impl<C: Display> FrictionPart<C> {
     }
 }
 
+/// Returns a text as a basic string of TOML, with quotes and escapes.
+pub fn toml_text(text: &str) -> String {
+    let mut out = String::from("\"");
+    for letter in text.chars() {
+        match letter {
+            '"' | '\\' => out.extend(['\\', letter]),
+            control if control.is_control() => {
+                out.push_str(&format!("\\u{:04X}", u32::from(control)));
+            }
+            other => out.push(other),
+        }
+    }
+    out.push('"');
+    out
+}
+
 /// Writes the terms as a list in TOML, for example `[["v", 76.556], ["tanh(5*v)", 3.924]]`.
 fn weighted<C: Display>(terms: &[FrictionTerm<C>]) -> String {
     let pair = |term: &FrictionTerm<C>| format!("[\"{}\", {}]", term.basis.text(&[]), term.coefficient);

@@ -28,7 +28,7 @@ mod terms;
 pub use error::FormulaError;
 pub use expression::{Expression, Kind, Node, Operator, Unary};
 pub use formula::{Formula, LARGEST_NUMBER, too_large};
-pub use friction::{FrictionLaw, FrictionPart, FrictionTerm, TermOf};
+pub use friction::{FrictionLaw, FrictionPart, FrictionTerm, TermOf, toml_text};
 pub use function::Function;
 pub use hold::Hold;
 pub use nearest::nearest;

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::parameters::{derive, free, result};
 use super::words::number;
 use crate::diagnostic::Diagnostics;
 use crate::dynamics::parameters::regressor::PER_LINK;
@@ -34,38 +35,20 @@ impl BodyValues {
         let &[mass, hx, hy, hz, xx, xy, yy, xz, yz, zz] = parameters else {
             unreachable!("a link has {PER_LINK} inertial parameters");
         };
-        let [x, y, z] = [hx, hy, hz].map(|h| if mass == 0.0 { 0.0 } else { h / mass });
-        let inertia = [
-            xx - mass * (y * y + z * z),
-            yy - mass * (x * x + z * z),
-            zz - mass * (x * x + y * y),
-            xy + mass * x * y,
-            xz + mass * x * z,
-            yz + mass * y * z,
-        ];
-        Self { name, link, mass, center_of_mass: [x, y, z], inertia }
+        let center_of_mass = [hx, hy, hz].map(|h| if mass == 0.0 { 0.0 } else { h / mass });
+        let (about_origin, of_point) = ([xx, yy, zz, xy, xz, yz], point_inertia(mass, center_of_mass));
+        let inertia = std::array::from_fn(|k| about_origin[k] - of_point[k]);
+        Self { name, link, mass, center_of_mass, inertia }
     }
 
     /// Returns the ten inertial parameters of a link that consists of this body, in the order of
     /// [`Self::of_link`].
     #[must_use]
     pub fn parameters(&self) -> [f64; PER_LINK] {
-        let mass = self.mass;
-        let [x, y, z] = self.center_of_mass;
-        let [xx, yy, zz, xy, xz, yz] = self.inertia;
-        let [hx, hy, hz] = [x, y, z].map(|place| mass * place);
-        [
-            mass,
-            hx,
-            hy,
-            hz,
-            xx + mass * (y * y + z * z),
-            xy - mass * x * y,
-            yy + mass * (x * x + z * z),
-            xz - mass * x * z,
-            yz - mass * y * z,
-            zz + mass * (x * x + y * y),
-        ]
+        let of_point = point_inertia(self.mass, self.center_of_mass);
+        let [xx, yy, zz, xy, xz, yz] = std::array::from_fn(|k| self.inertia[k] + of_point[k]);
+        let [hx, hy, hz] = self.center_of_mass.map(|place| self.mass * place);
+        [self.mass, hx, hy, hz, xx, xy, yy, xz, yz, zz]
     }
 
     /// Returns the table `[[bodies]]` of the description as TOML.
@@ -83,6 +66,11 @@ impl BodyValues {
         let _ = writeln!(text, "inertia = {{ {} }}", entries.collect::<Vec<_>>().join(", "));
         text
     }
+}
+
+/// Returns the entries xx, yy, zz, xy, xz, yz of the inertia matrix of a point with a mass, about the origin.
+fn point_inertia(mass: f64, [x, y, z]: [f64; 3]) -> [f64; 6] {
+    [y * y + z * z, x * x + z * z, x * x + y * y, -x * y, -x * z, -y * z].map(|entry| mass * entry)
 }
 
 /// Bodies of a moving link, with identified parameters.
@@ -115,7 +103,8 @@ impl LinkBodies {
 pub fn bodies(model: &Model, parameters: &[f64]) -> Result<Vec<LinkBodies>, Diagnostics> {
     let mut bare = model.clone();
     bare.links.iter_mut().for_each(|link| link.bodies.clear());
-    let fixed = super::parameters::parameters(&bare)?;
+    let [fixed] = derive(&bare, ["inertial_parameters"])?;
+    let fixed = result(&fixed, &[], &free(&bare));
     let carriers: Vec<Option<usize>> = (0..model.links.len()).map(|link| carrier(model, link)).collect();
     let links = parameters.chunks_exact(PER_LINK).zip(fixed.chunks_exact(PER_LINK)).enumerate();
     let carrying_joints = model.carrying_joints();

@@ -1,4 +1,4 @@
-//! Inertial parameters of a model, computed by the interpreter.
+//! Functions of a model, evaluated by the interpreter.
 
 use crate::diagnostic::Diagnostics;
 use crate::functions::form::Form;
@@ -8,12 +8,21 @@ use crate::functions::size::MOST_OPERATIONS;
 use crate::model::Model;
 use crate::program::interpret::interpret;
 
-/// Returns the inertial parameters of a model with the values of the description.
-pub(super) fn parameters(model: &Model) -> Result<Vec<f64>, Diagnostics> {
-    let name = ["inertial_parameters".to_owned()];
-    let functions = derive_in_form(model, &name, MOST_OPERATIONS, Form::Straight, &name)?;
-    let free: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
-    Ok(functions.first().map_or(Vec::new(), |function| result(function, &[], &free)))
+/// Derives functions of a model for the interpreter, in the order of their names.
+pub(super) fn derive<const N: usize>(model: &Model, names: [&str; N]) -> Result<[Function; N], Diagnostics> {
+    let names = names.map(str::to_owned);
+    let functions = derive_in_form(model, &names, MOST_OPERATIONS, Form::Straight, &names)?;
+    Ok(names.map(|name| {
+        let found = functions.iter().find(|function| function.name == name).cloned();
+        found.unwrap_or_else(|| {
+            unreachable!("{name} was requested, but not derived, although no error was returned")
+        })
+    }))
+}
+
+/// Returns the described values of the free parameters of a model.
+pub(super) fn free(model: &Model) -> Vec<f64> {
+    model.parameters.iter().map(|parameter| parameter.default).collect()
 }
 
 /// Returns the first result of a function.

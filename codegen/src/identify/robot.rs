@@ -7,15 +7,12 @@ use gelenk_identification::pose::QuaternionJoint;
 use gelenk_identification::robot::{FollowerLimits, JointLimits, Robot, TorqueSpeedLine};
 use gelenk_identification::shafts::{JointTerm, Shaft};
 
-use super::parameters::result;
+use super::parameters::{derive, free, result};
 use super::shafts::{joint_terms, shaft_rotor, shafts, shared_drives};
 use crate::diagnostic::Diagnostics;
 use crate::dynamics::parameters::regressor::parameter_names;
 use crate::functions::catalogue::IDENTIFICATION;
-use crate::functions::form::Form;
 use crate::functions::function::Function;
-use crate::functions::selection::derive_in_form;
-use crate::functions::size::MOST_OPERATIONS;
 use crate::model::{
     Actuator, Dependent, Drive, FrictionTerm, Input, Joint, LimitedInput, Model, Motion, Parameter,
     QuaternionKind,
@@ -34,7 +31,7 @@ pub struct InterpretedRobot {
     /// derived at the first use.
     at_rest: OnceLock<Option<Function>>,
     /// Function for the input matrix B(y); `None` if no input acts at a frame.
-    input_matrix_at: Option<Function>,
+    input_matrix_at: Option<[Function; 1]>,
     /// For each joint, whether it is moved from outside, so that its force is not measured.
     unmeasured: Vec<bool>,
     /// Shafts of drives whose friction is identified.
@@ -77,12 +74,12 @@ impl InterpretedRobot {
     ///   replaces no joint in the fit
     ///
     /// # Errors
-    /// The errors are those of [`derive_in_form`]. The error is `driven-joint` if joints have a prescribed
+    /// The errors are those of [`derive_in_form`](crate::functions::selection::derive_in_form). The error is `driven-joint` if joints have a prescribed
     /// motion.
     pub fn with(model: &Model, choices: &RobotChoices) -> Result<Self, Diagnostics> {
         IDENTIFICATION.check(model)?;
         let mut model = model.clone();
-        let free: Vec<f64> = model.parameters.iter().map(|parameter| parameter.default).collect();
+        let free = free(&model);
         let shafts =
             if choices.friction_at_joints { Vec::new() } else { shafts(&model, &choices.unmeasured, &free) };
         let joint_terms = joint_terms(&model, &shafts, &free);
@@ -99,20 +96,16 @@ impl InterpretedRobot {
             joint.friction.clear();
             joint.load_friction.clear();
         }
-        let input_matrix_at = input_matrix_at(&model)?;
+        let input_matrix_at = match model.force_inputs.is_empty() {
+            true => None,
+            false => Some(derive(&model, ["input_matrix"])?),
+        };
         // The forces of these inputs depend on the positions.
         let frame_inputs = std::mem::take(&mut model.force_inputs);
-        let names = ["inertial_regressor", "inverse_dynamics", "inertial_parameters", "input_matrix"];
-        let names = names.map(str::to_owned);
-        let functions = derive_in_form(&model, &names, MOST_OPERATIONS, Form::Straight, &names)?;
-        let function = |name: &str| {
-            let found = functions.iter().find(|function| function.name == name).cloned();
-            found.unwrap_or_else(|| {
-                unreachable!("{name} was requested, but not derived, although no error was returned")
-            })
-        };
-        let [regressor, inverse_dynamics, parameters, input_matrix] =
-            names.each_ref().map(|name| function(name));
+        let [regressor, inverse_dynamics, parameters, input_matrix] = derive(
+            &model,
+            ["inertial_regressor", "inverse_dynamics", "inertial_parameters", "input_matrix"],
+        )?;
         Ok(Self {
             unmeasured: model.joints().map(|joint| choices.unmeasured.contains(&joint.name)).collect(),
             shafts,
@@ -185,17 +178,7 @@ fn regressor_under_gravity(model: &Model) -> Option<Function> {
         });
     }
     model.gravity = [0, 1, 2].map(|axis| Formula::Parameter(first + axis));
-    let name = ["inertial_regressor".to_owned()];
-    derive_in_form(&model, &name, MOST_OPERATIONS, Form::Straight, &name).ok()?.into_iter().next()
-}
-
-/// Returns the function for the input matrix B(y) of a model; `None` without inputs at frames.
-fn input_matrix_at(model: &Model) -> Result<Option<Function>, Diagnostics> {
-    if model.force_inputs.is_empty() {
-        return Ok(None);
-    }
-    let name = ["input_matrix".to_owned()];
-    Ok(derive_in_form(model, &name, MOST_OPERATIONS, Form::Straight, &name)?.into_iter().next())
+    derive(&model, ["inertial_regressor"]).ok().map(|[regressor]| regressor)
 }
 
 /// Returns the input matrix B with columns of zeros for `more` inputs.
@@ -299,7 +282,7 @@ impl Robot for InterpretedRobot {
     }
 
     fn input_forces(&self, y: &[f64], u: &[f64], forces: &mut [f64]) {
-        let at_positions = self.input_matrix_at.as_ref().map(|function| result(function, &[y], &self.free));
+        let at_positions = self.input_matrix_at.as_ref().map(|[function]| result(function, &[y], &self.free));
         let matrix = at_positions.as_ref().unwrap_or(&self.input_matrix);
         for (force, row) in forces.iter_mut().zip(matrix.chunks_exact(u.len().max(1))) {
             *force = row.iter().zip(u).map(|(b, u)| b * u).sum();

@@ -3,6 +3,7 @@
 use super::error::{Result, at, require_finite, require_length};
 use super::numeric::shifted::{shifted, slope};
 use super::robot::Robot;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// A part of a log without interruption. All columns have samples at the same times.
@@ -33,7 +34,7 @@ pub struct Run {
 pub(crate) const FEWEST_SAMPLES: usize = 16;
 
 /// Kind of the efforts of a log.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Effort {
     /// Forces at the joints, `B u` with the input matrix B and the inputs u [N·m or N], one for each joint.
     Joint,

@@ -6,6 +6,7 @@ use super::error::Result;
 use super::estimation::Gravity;
 use super::identify::{Identification, IdentificationSettings};
 use super::log::runs_noting;
+use super::methods::offset::mean;
 use super::preparation::{Filter, prepare_as};
 use super::robot::Robot;
 use super::run::{Effort, PreparedRun};
@@ -84,10 +85,11 @@ pub fn validate(
     let rows = RobotRows::new(robot, found.shafts.clone());
     let prepared = rows.along(prepared);
     let model = Prediction::new(&rows, found, settings.estimation.gravity_compensated);
-    let mut sums = vec![[Sums::default(); 2]; found.estimate.joints.len()];
-    prepared.iter().try_for_each(|run| model.add(run, &report.filter, &mut sums))?;
-    let joints = found.estimate.joints.iter().zip(sums);
-    let judged: Vec<JointValidation> = joints.map(|(joint, sums)| judged(joint.name.clone(), sums)).collect();
+    let mut forces = vec![Forces::default(); found.estimate.joints.len()];
+    prepared.iter().try_for_each(|run| model.add(run, &report.filter, &mut forces))?;
+    let joints = found.estimate.joints.iter().zip(&forces);
+    let judged: Vec<JointValidation> =
+        joints.map(|(joint, forces)| judged(joint.name.clone(), forces)).collect();
     for (joint, JointValidation { r_squared, .. }) in
         judged.iter().enumerate().filter(|(_, of)| of.r_squared < 0.0)
     {
@@ -101,49 +103,27 @@ pub fn validate(
     Ok(judged)
 }
 
-/// Sums over one joint's measured forces and errors.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sums {
-    count: f64,
-    mean: f64,
-    spread: f64,
-    errors: f64,
-    error: f64,
-}
+/// Measured and predicted forces of a joint: at the samples in which the joint moves, and at all samples.
+type Forces = [Vec<[f64; 2]>; 2];
 
-impl Sums {
-    /// Adds a sample. Mean and spread are updated by Welford's recursion (1962).
-    fn add(&mut self, measured: f64, predicted: f64) {
-        self.count += 1.0;
-        let before = measured - self.mean;
-        self.mean += before / self.count;
-        self.spread += before * (measured - self.mean);
-        self.errors += (measured - predicted).powi(2);
-        self.error += measured - predicted;
-    }
-
-    /// Mean difference between measured and predicted force.
-    fn offset(&self) -> f64 {
-        self.error / self.count
-    }
-
-    fn r_squared(&self, squares: f64) -> f64 {
-        if self.spread > 0.0 { 1.0 - squares / self.spread } else { f64::NAN }
-    }
-}
-
-/// The quality of the prediction from the sums of a joint.
-///
-/// - `moving`: sums over the samples in which the joint moves
-/// - `all`: sums over all samples
-fn judged(name: String, [moving, all]: [Sums; 2]) -> JointValidation {
+/// The quality of the prediction of a joint's forces.
+fn judged(name: String, [moving, all]: &Forces) -> JointValidation {
+    let errors = |of: &[[f64; 2]]| of.iter().map(|[measured, predicted]| measured - predicted).collect();
+    let squares = |of: &[f64], from: f64| of.iter().map(|x| (x - from).powi(2)).sum::<f64>();
+    let r_squared = |of: &[[f64; 2]], offset: f64| {
+        let measured: Vec<f64> = of.iter().map(|[measured, _]| *measured).collect();
+        let (errors, spread): (Vec<f64>, f64) = (errors(of), squares(&measured, mean(&measured)));
+        if spread > 0.0 { 1.0 - squares(&errors, offset) / spread } else { f64::NAN }
+    };
+    let left: Vec<f64> = errors(moving);
+    let offset = mean(&left);
     JointValidation {
         name,
-        r_squared: moving.r_squared(moving.errors),
-        r_squared_with_rest: all.r_squared(all.errors),
-        residual: (moving.errors / moving.count).sqrt(),
-        offset: moving.offset(),
-        r_squared_with_offset: moving.r_squared(moving.errors - moving.count * moving.offset().powi(2)),
+        r_squared: r_squared(moving, 0.0),
+        r_squared_with_rest: r_squared(all, 0.0),
+        residual: (squares(&left, 0.0) / left.len() as f64).sqrt(),
+        offset,
+        r_squared_with_offset: r_squared(moving, offset),
     }
 }
 
@@ -169,8 +149,8 @@ impl<'a> Prediction<'a> {
         Self { robot, found, input_matrix: robot.input_matrix(), changes, compensated }
     }
 
-    /// Adds the measured and predicted efforts of a run to the sums of each joint.
-    fn add(&self, run: &PreparedRun, filter: &Filter, sums: &mut [[Sums; 2]]) -> Result<()> {
+    /// Adds the measured and predicted forces of each joint along a run.
+    fn add(&self, run: &PreparedRun, filter: &Filter, found: &mut [Forces]) -> Result<()> {
         let law = |joint: usize| self.found.law(joint).map(|report| &report.result);
         // Friction along the run, filtered as the efforts are; `None` if the friction depends on the load.
         let friction = |joint: usize| {
@@ -178,12 +158,12 @@ impl<'a> Prediction<'a> {
             let written = Written { robot: self.robot, filter, joint };
             (!needs_load).then(|| written.friction(law(joint), &run.velocities[joint])).transpose()
         };
-        let friction = (0..sums.len()).map(friction).collect::<Result<Vec<Option<Vec<f64>>>>>()?;
+        let friction = (0..found.len()).map(friction).collect::<Result<Vec<Option<Vec<f64>>>>>()?;
         for sample in 0..run.times.len() {
             let [y, v, a] = run.state(sample);
             // Loads of the gears: rigid-body forces `M ÿ + k − q` with gravity, with the mass matrix M, the bias force k and
             // the applied forces q.
-            let mut loads = vec![0.0; sums.len()];
+            let mut loads = vec![0.0; found.len()];
             self.robot.rigid_forces(&y, &v, &a, &mut loads);
             self.add_regressor([&y, &v, &a], 1.0, &self.changes, &mut loads);
             let (mut forces, zero) = (loads.clone(), vec![0.0; v.len()]);
@@ -205,7 +185,7 @@ impl<'a> Prediction<'a> {
                 let measured = run.force(&self.input_matrix, joint, sample) * gain;
                 if measured.is_finite() && predicted.is_finite() {
                     let counted = usize::from(run.rests(joint, sample));
-                    sums[joint][counted..].iter_mut().for_each(|sums| sums.add(measured, predicted));
+                    found[joint][counted..].iter_mut().for_each(|of| of.push([measured, predicted]));
                 }
             }
         }

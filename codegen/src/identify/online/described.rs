@@ -1,12 +1,9 @@
 //! Inverse dynamics and friction of the described robot, for the comparison with measured efforts.
 
-use super::super::parameters::result;
+use super::super::parameters::{derive, free, result};
 use crate::diagnostic::Diagnostics;
 use crate::function_names;
-use crate::functions::form::Form;
 use crate::functions::function::Function;
-use crate::functions::selection::derive_in_form;
-use crate::functions::size::MOST_OPERATIONS;
 use crate::model::Model;
 use gelenk_formula::Formula;
 
@@ -16,7 +13,7 @@ use gelenk_formula::Formula;
 pub struct DescribedForces {
     functions: [Function; 2],
     /// Function for the load-dependent friction per unit of load; `None` if the robot has no such friction.
-    shares: Option<Function>,
+    shares: Option<[Function; 1]>,
     free: Vec<f64>,
 }
 
@@ -26,27 +23,18 @@ impl DescribedForces {
     /// - `without_gravity`: whether gravity is left out, for logs whose efforts do not include the weight
     ///
     /// # Errors
-    /// The errors are those of [`derive_in_form`].
+    /// The errors are those of [`derive_in_form`](crate::functions::selection::derive_in_form).
     pub fn new(model: &Model, without_gravity: bool) -> Result<Self, Diagnostics> {
         let mut model = model.clone();
         if without_gravity {
             model.gravity = [0.0; 3].map(Formula::Number);
         }
-        let always = [function_names::INVERSE_DYNAMICS, function_names::FRICTION_TORQUES];
         let has_loads = model.joints().any(|joint| !joint.load_friction.is_empty());
-        let of_load = has_loads.then_some(function_names::LOAD_FRICTION);
-        let names: Vec<String> = always.into_iter().chain(of_load).map(str::to_owned).collect();
-        let functions = derive_in_form(&model, &names, MOST_OPERATIONS, Form::Straight, &names)?;
-        let function = |name: &str| {
-            let found = functions.iter().find(|function| function.name == *name).cloned();
-            found.unwrap_or_else(|| {
-                unreachable!("{name} was requested, but not derived, although no error was returned")
-            })
-        };
+        let shares = has_loads.then(|| derive(&model, [function_names::LOAD_FRICTION]));
         Ok(Self {
-            functions: always.map(function),
-            shares: of_load.map(function),
-            free: model.parameters.iter().map(|parameter| parameter.default).collect(),
+            functions: derive(&model, [function_names::INVERSE_DYNAMICS, function_names::FRICTION_TORQUES])?,
+            shares: shares.transpose()?,
+            free: free(&model),
         })
     }
 
@@ -67,7 +55,7 @@ impl DescribedForces {
             let arguments = &[y, v][2 - function.program.inputs.len()..];
             result(function, arguments, &self.free)
         };
-        let shares = self.shares.as_ref().map_or_else(|| vec![0.0; v.len()], law);
+        let shares = self.shares.as_ref().map_or_else(|| vec![0.0; v.len()], |[shares]| law(shares));
         [result(inverse_dynamics, &[y, v, a], &self.free), law(friction), shares]
     }
 }

@@ -138,7 +138,7 @@ fn smoothed(samples: &[OnlineSample], of: &dyn Fn(usize) -> f64) -> Vec<[f64; 2]
 }
 
 fn errors(joints: &[OnlineJoint]) -> Table {
-    let mut table = Table::new(
+    let table = Table::new(
         "errors",
         "Root mean square of the prediction errors. Acting: the law that a controller would have used. By run: the best law \
          fitted to the samples before each run. Batch: the best law fitted to the samples before each sample. Hindsight: the best \
@@ -148,10 +148,7 @@ fn errors(joints: &[OnlineJoint]) -> Table {
     .column("acts", "trust", "")
     .column("since", "since", "s")
     .column("samples", "samples", "")
-    .column("unexplained", "unexplained", "");
-    for name in ["described", "learned", "acting", "by run", "batch", "hindsight"] {
-        table = table.column(name, name, "");
-    }
+    .columns(&["unexplained", "described", "learned", "acting", "by run", "batch", "hindsight"]);
     let row = |joint: &OnlineJoint| {
         let state = [Cell::text(joint.name.clone()), Cell::text(joint.replay.state.trust.name())];
         let counts = [

@@ -111,9 +111,6 @@ levels! {
     /// Smallest described force of a joint that carries the robot, as a share of the largest described force of all joints.
     CARRIES: f64 = 0.1;
 
-    /// Slope of smoothed Coulomb friction, `tanh(slope · speed)`, with the speed as a share of the joint's largest speed.
-    STEEPNESS: f64 = 30.0;
-
     /// Smallest angle of a tilt that matters [rad]: 2°.
     LEAST_TILT: f64 = 0.035;
 

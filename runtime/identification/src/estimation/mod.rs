@@ -1,6 +1,7 @@
 //! Estimates inertial parameters, friction, effort offsets and drive gains from [`PreparedRun`](super::run::PreparedRun)s in
 //! one weighted linear fit.
 
+mod blocks;
 mod checks;
 mod choice;
 mod consistent;
@@ -46,12 +47,15 @@ pub use estimate::estimate;
 pub use result::{Estimate, EstimatedTerm, Gravity, JointEstimate, Offsets, Uncertain};
 pub use settings::EstimationSettings;
 pub(crate) use {
+    blocks::{BlockSums, FRICTION, sums_of_blocks},
     described::described_ratio,
     intervals::correlation_time,
-    normal::inverse,
+    normal::{inverse, with_ridge},
     prior::distance,
     residuals::{huber, robust_deviation},
     result::CommonTerms,
-    shares::{Columns, RunPiece, ShareSums, SharedData, SharedEstimate, Weighted, estimate_shares},
-    sums::{FEWEST_MOTIONS, repeated_motions},
+    shares::{
+        Columns, JointSums, RunPiece, ShareSums, SharedData, SharedEstimate, Weighted, estimate_shares,
+    },
+    sums::{FEWEST_MOTIONS, Piece, repeated_motions},
 };

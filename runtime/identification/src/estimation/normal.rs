@@ -269,7 +269,7 @@ pub(super) fn regularized(normal: &Normal, metric: &DMatrix<f64>) -> DMatrix<f64
 pub(super) const RIDGE: f64 = 1e-9;
 
 /// Normal equations with a ridge, for columns that may be equal or zero.
-pub(super) fn with_ridge(mut normal: DMatrix<f64>) -> DMatrix<f64> {
+pub(crate) fn with_ridge(mut normal: DMatrix<f64>) -> DMatrix<f64> {
     for i in 0..normal.nrows() {
         normal[(i, i)] = normal[(i, i)] * (1.0 + RIDGE) + f64::MIN_POSITIVE;
     }

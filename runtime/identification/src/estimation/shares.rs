@@ -28,6 +28,7 @@ use super::trial::Case;
 use super::unit::{CommonRatio, Sizes, common_ratio, unit_doubt};
 use gelenk_findings::Finding;
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// Factors k of the terms tanh(k v) [s/rad or s/m]. The friction library has the same factors, which do not depend on a log.
@@ -45,16 +46,46 @@ pub(crate) struct Columns {
 }
 
 /// Sums of products over one share (a group of samples of all logs), or over one piece of a log.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ShareSums {
-    pub(crate) samples: usize,
-    /// Σ w of each joint, with the weights w of the samples.
-    pub(crate) weights: Vec<f64>,
-    /// Σ w (x − x̄)(x − x̄)ᵀ of each joint, with the columns x and their means x̄; Σ w x xᵀ of a joint with a quaternion.
-    pub(crate) products: Vec<DMatrix<f64>>,
-    /// Sums of squares that the reduced weights w of outliers remove: Σ (1 − w) r² and Σ (1 − w)(z − z̄)² of each joint, with
-    /// the residual r and the measured effort z.
-    pub(crate) lost: Vec<[f64; 2]>,
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct ShareSums<T> {
+    pub(crate) samples: u64,
+    /// Sums of each joint; empty for a share without samples.
+    pub(crate) joints: Vec<JointSums<T>>,
+}
+
+/// Sums of products of one joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct JointSums<T> {
+    /// Σ w, with the weights w of the samples.
+    pub(crate) weight: T,
+    /// Sums of squares that the reduced weights w of outliers remove: Σ (1 − w) r² and Σ (1 − w)(z − z̄)², in squared units of
+    /// the effort, with the residual r and the measured effort z.
+    pub(crate) lost: [T; 2],
+    /// Lower triangle, row by row, of Σ w (x − x̄)(x − x̄)ᵀ of the columns x with their means x̄; of Σ w x xᵀ for a joint with
+    /// a quaternion.
+    pub(crate) products: Vec<T>,
+}
+
+impl<T: Copy> ShareSums<T> {
+    /// The same sums as numbers of another kind.
+    pub(crate) fn converted<U>(&self, of: impl Fn(T) -> Result<U>) -> Result<ShareSums<U>> {
+        let joint = |joint: &JointSums<T>| {
+            let [residual, total] = joint.lost.map(&of);
+            let products = joint.products.iter().map(|product| of(*product)).collect::<Result<_>>()?;
+            Ok(JointSums { weight: of(joint.weight)?, lost: [residual?, total?], products })
+        };
+        Ok(ShareSums { samples: self.samples, joints: self.joints.iter().map(joint).collect::<Result<_>>()? })
+    }
+}
+
+impl JointSums<f64> {
+    /// The products as a symmetric matrix.
+    ///
+    /// - `width`: number of columns
+    pub(crate) fn matrix(&self, width: usize) -> DMatrix<f64> {
+        let place = |i: usize, j: usize| i * (i + 1) / 2 + j;
+        DMatrix::from_fn(width, width, |i, j| self.products[place(i.max(j), i.min(j))])
+    }
 }
 
 /// A contiguous part of a run.
@@ -127,7 +158,7 @@ impl Columns {
         filter: Option<&Filter>,
         of: &Weighted,
         pieces: &[RunPiece],
-    ) -> Vec<ShareSums> {
+    ) -> Vec<ShareSums<f64>> {
         let mut rows = Rows::new(robot, &self.layout, gravity, filter, None);
         let means: Vec<Vec<Vec<f64>>> =
             runs.iter().zip(of.weights).map(|(run, weights)| self.means(&mut rows, run, weights)).collect();
@@ -166,7 +197,7 @@ impl Columns {
         piece: Range<usize>,
         means: &[Vec<f64>],
         [weights, residuals]: [&Vec<Vec<f64>>; 2],
-    ) -> ShareSums {
+    ) -> ShareSums<f64> {
         let widths = self.widths();
         let mut products: Vec<Vec<f64>> = widths.iter().map(|width| vec![0.0; width * width]).collect();
         let mut lost = vec![[0.0; 2]; widths.len()];
@@ -187,13 +218,17 @@ impl Columns {
                 add_products(&columns.iter().map(Vec::as_slice).collect::<Vec<_>>(), products);
             }
         }
-        let square =
-            |(sums, q): (&Vec<f64>, &usize)| DMatrix::from_fn(*q, *q, |i, j| sums[i.max(j) * q + i.min(j)]);
+        let joint = |(joint, products): (usize, &Vec<f64>)| JointSums {
+            weight: weights[joint][piece.clone()].iter().sum(),
+            lost: lost[joint],
+            products: (0..widths[joint])
+                .flat_map(|row| &products[row * widths[joint]..][..=row])
+                .copied()
+                .collect(),
+        };
         ShareSums {
-            samples: run.count_moving(piece.clone()),
-            weights: weights.iter().map(|weights| weights[piece.clone()].iter().sum()).collect(),
-            products: products.iter().zip(&widths).map(square).collect(),
-            lost,
+            samples: run.count_moving(piece.clone()) as u64,
+            joints: products.iter().enumerate().map(joint).collect(),
         }
     }
 
@@ -239,7 +274,7 @@ pub(crate) struct SharedData<'a> {
     pub(crate) gravity: Gravity,
     pub(crate) columns: &'a Columns,
     /// Sums of each share (group of samples) that has samples.
-    pub(crate) shares: &'a [ShareSums],
+    pub(crate) shares: &'a [ShareSums<f64>],
     /// Correlation time of the residuals [samples].
     pub(crate) correlation_time: f64,
 }
@@ -262,7 +297,7 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
     require_finite("the description's inertial parameters", &robot.parameters())?;
     let layout = &columns.layout;
     let prior = Prior::new(&robot.parameters(), robot.bodies(), Vec::new());
-    let sums = sums_of(layout, shares);
+    let sums = sums_of(columns, shares);
     let freedom = Freedom {
         offsets: Some(Offsets::None),
         terms: settings.optional_terms,
@@ -299,29 +334,28 @@ pub(crate) fn estimate_shares(data: &SharedData) -> Result<SharedEstimate> {
 
 /// Converts sums of the shares to the form that the fit needs. The columns of measured forces have the mean
 /// zero.
-fn sums_of(layout: &Layout, shares: &[ShareSums]) -> Sums {
-    let of_estimate = |share: &ShareSums| -> Vec<DMatrix<f64>> {
-        let part = |(joint, products): (usize, &DMatrix<f64>)| {
-            let width = layout.width(joint);
-            products.view((0, 0), (width, width)).into_owned()
-        };
-        share.products.iter().enumerate().map(part).collect()
+fn sums_of(columns: &Columns, shares: &[ShareSums<f64>]) -> Sums {
+    let (layout, widths) = (&columns.layout, columns.widths());
+    let matrix = |joint: usize, share: &ShareSums<f64>| share.joints[joint].matrix(widths[joint]);
+    let of_estimate = |share: &ShareSums<f64>| -> Vec<DMatrix<f64>> {
+        let part = |joint: usize| matrix(joint, share).resize(layout.width(joint), layout.width(joint), 0.0);
+        (0..layout.joints).map(part).collect()
     };
-    let columns = |(joint, products): (usize, &DMatrix<f64>)| match layout.exact[joint] {
-        true => products.view((0, layout.width(joint)), (layout.width(joint), 1)).column(0).into_owned(),
+    let sums = |joint: usize, share: &ShareSums<f64>| match layout.exact[joint] {
+        true => matrix(joint, share).column(layout.width(joint)).rows(0, layout.width(joint)).into_owned(),
         false => DVector::zeros(layout.width(joint)),
     };
-    let piece = |(fold, share): (usize, &ShareSums)| PieceSums {
+    let piece = |(fold, share): (usize, &ShareSums<f64>)| PieceSums {
         run: 0,
         fold,
-        weight: share.weights.clone(),
-        columns: share.products.iter().enumerate().map(columns).collect(),
+        weight: share.joints.iter().map(|joint| joint.weight).collect(),
+        columns: (0..layout.joints).map(|joint| sums(joint, share)).collect(),
     };
     Sums {
-        away: None,
         folds: shares.iter().map(of_estimate).collect(),
         pieces: shares.iter().enumerate().map(piece).collect(),
-        samples: shares.iter().map(|share| share.samples).sum(),
+        samples: shares.iter().map(|share| share.samples as usize).sum(),
+        away: None,
     }
 }
 
@@ -373,7 +407,8 @@ impl Found<'_> {
     /// Sums of squares that the reduced weights w of outliers remove, in units of force: Σ (1 − w) r² and Σ
     /// (1 − w)(z − z̄)², with the residual r and the measured effort z.
     fn lost(&self, joint: usize) -> [f64; 2] {
-        let sum = |which: usize| self.data.shares.iter().map(|share| share.lost[joint][which]).sum::<f64>();
+        let sum =
+            |which: usize| self.data.shares.iter().map(|share| share.joints[joint].lost[which]).sum::<f64>();
         [0, 1].map(|which| self.gain(joint).powi(2) * sum(which))
     }
 

@@ -17,10 +17,10 @@ use std::ops::Range;
 
 /// A contiguous part of a run. All samples of a piece are in one fold.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Piece {
-    pub(super) run: usize,
-    pub(super) fold: usize,
-    pub(super) rows: Range<usize>,
+pub(crate) struct Piece {
+    pub(crate) run: usize,
+    pub(crate) fold: usize,
+    pub(crate) rows: Range<usize>,
 }
 
 /// Sums over a piece of a run for each joint: the sum of the weights, and the sums of the weighted columns.

@@ -4,9 +4,9 @@ use super::super::robot::{FollowerLimits, Robot};
 use super::super::shafts::RobotRows;
 use super::chart::Chart;
 use super::columns::independent_columns;
-use super::inputs::FrameInputs;
+use super::inputs::Inputs;
 use super::levels;
-use super::motors::{Motors, no_load_speeds};
+use super::motors::no_load_speeds;
 use super::refusals::Refusals;
 use super::settings::PlanSettings;
 use super::{ExcitationLimits, FourierMotion, Instant};
@@ -45,10 +45,8 @@ pub(super) struct Design<'a> {
     sign_speeds: Vec<f64>,
     /// Limits of joints that follow other joints, and no-load speeds of the motors.
     followers: Vec<FollowerLimits>,
-    /// Limits of the motors; `None` if the motors have no limits.
-    motors: Option<Motors<'a>>,
-    /// Inputs, if some inputs act at frames; otherwise `None`.
-    pub(super) inputs: Option<FrameInputs<'a>>,
+    /// Inputs; `None` if all inputs are drives without limits.
+    pub(super) inputs: Option<Inputs<'a>>,
     velocity_share: f64,
     chart: &'a Chart,
     limits: &'a [ExcitationLimits],
@@ -92,8 +90,7 @@ impl<'a> Design<'a> {
             efforts,
             torques,
             followers: robot.followers().into_iter().chain(no_load_speeds(robot)).collect(),
-            motors: Motors::of(robot, settings.effort_share),
-            inputs: FrameInputs::of(robot, settings.effort_share),
+            inputs: Inputs::of(robot, settings.effort_share),
             velocity_share: settings.velocity_share,
             chart,
             limits,
@@ -214,12 +211,10 @@ impl<'a> Design<'a> {
             let along: Vec<Instant> = instants.iter().map(|instant| self.rows.instant(instant)).collect();
             named_beyond(&self.rows, &along, &self.torques)
         };
-        let motors = || self.motors.as_ref().and_then(|motors| motors.exceeded(instants));
         let have_torques = self.torques.iter().any(|torque| torque.is_finite());
         std::iter::once_with(joints)
             .flatten()
             .chain(std::iter::once_with(inputs).flatten())
-            .chain(std::iter::once_with(motors).flatten().map(|name| format!("motor {name}")))
             .chain(have_torques.then(|| std::iter::once_with(shafts)).into_iter().flatten().flatten())
     }
 

@@ -1,9 +1,9 @@
-//! Required values of inputs along a planned motion, for robots with inputs that act at frames (for example cylinders).
+//! Required values of inputs along a planned motion: of drives, and of inputs that act at frames (for example cylinders).
 
 use super::chart::Chart;
 use super::levels;
 use super::motors::Torques;
-use super::smallest_inputs::{SINGULAR, first_outside, smallest_inputs};
+use super::smallest_inputs::{SINGULAR, SmallestInputs, first_outside, rigid_forces, smallest_inputs};
 use super::{ExcitationLimits, Instant};
 use crate::error::{Result, at_joint};
 use crate::numeric::spectrum::svd;
@@ -25,19 +25,23 @@ pub struct PlannedInput {
 
 /// Number of intervals into which a joint's range is divided. Dead centres are searched at the ends of the intervals.
 const PLACES: u32 = 200;
-/// Limits of the inputs of a robot with inputs at frames (for example cylinders).
-pub(super) struct FrameInputs<'a> {
+/// Inputs of a robot, and their limits.
+pub(super) struct Inputs<'a> {
     robot: &'a dyn Robot,
     torques: Torques,
+    /// The constant input matrix; `None` if inputs act at frames.
+    drives: Option<SmallestInputs>,
 }
 
-impl<'a> FrameInputs<'a> {
-    /// Returns the inputs with a share of their limits; `None` if all inputs are drives. The limits of drives
-    /// are checked at joints and shafts.
+impl<'a> Inputs<'a> {
+    /// Returns the inputs with a share of their limits; `None` if all inputs are drives without limits. The efforts of drives
+    /// are also checked at joints and shafts.
     ///
     /// - `share`: usable share of the described limits
     pub(super) fn of(robot: &'a dyn Robot, share: f64) -> Option<Self> {
-        robot.has_inputs_at_frames().then(|| Self { robot, torques: Torques::of(robot, share) })
+        let (torques, at_frames) = (Torques::of(robot, share), robot.has_inputs_at_frames());
+        let drives = (!at_frames).then(|| SmallestInputs::new(drive_matrix(robot)));
+        (at_frames || torques.are_limited()).then_some(Self { robot, torques, drives })
     }
 
     /// Name of the first limit that a motion exceeds; `None` if all limits are kept. It is the limit of an
@@ -46,26 +50,36 @@ impl<'a> FrameInputs<'a> {
     pub(super) fn exceeded(&self, instants: &[Instant]) -> Option<String> {
         let mut side = 0.0;
         instants.iter().find_map(|instant| {
-            let matrix = input_matrix(self.robot, &instant[0]);
-            // The determinant has a sign only if there are as many inputs as joints.
-            let now = if matrix.is_square() { matrix.determinant().signum() } else { 0.0 };
-            let turned = side * now < 0.0;
-            side = now;
-            if turned {
-                return Some("the inputs at frames pass a dead centre".into());
-            }
             let ranges = self.torques.ranges(&instant[1]);
-            let Some(inputs) = smallest_inputs(self.robot, &matrix, instant, &ranges) else {
-                return Some("the inputs cannot produce the forces".into());
+            let inputs = match &self.drives {
+                Some(drives) => drives.closest(&rigid_forces(self.robot, instant))?.as_slice().to_vec(),
+                None => {
+                    let matrix = input_matrix(self.robot, &instant[0]);
+                    // The determinant has a sign only if there are as many inputs as joints.
+                    let now = if matrix.is_square() { matrix.determinant().signum() } else { 0.0 };
+                    let turned = side * now < 0.0;
+                    side = now;
+                    if turned {
+                        return Some("the inputs at frames pass a dead centre".into());
+                    }
+                    let Some(inputs) = smallest_inputs(self.robot, &matrix, instant, &ranges) else {
+                        return Some("the inputs cannot produce the forces".into());
+                    };
+                    inputs
+                }
             };
             let input = first_outside(&inputs, &ranges)?;
-            let what = if self.torques.has_line(input) { "motor" } else { "input" };
+            let is_motor = self.drives.is_some() || self.torques.has_line(input);
+            let what = if is_motor { "motor" } else { "input" };
             self.robot.input_names().into_iter().nth(input).map(|name| format!("{what} {name}"))
         })
     }
 
-    /// Values of the inputs that the motion and the approach require.
+    /// Values of the inputs that the motion and the approach require, if some inputs act at frames; otherwise empty.
     pub(super) fn planned(&self, instants: &[Instant]) -> Vec<PlannedInput> {
+        if self.drives.is_some() {
+            return Vec::new();
+        }
         let needed: Vec<Vec<f64>> = instants
             .iter()
             .filter_map(|each| {
@@ -80,6 +94,11 @@ impl<'a> FrameInputs<'a> {
         });
         planned.collect()
     }
+}
+
+/// Input matrix B of a robot whose inputs are all drives.
+fn drive_matrix(robot: &dyn Robot) -> DMatrix<f64> {
+    DMatrix::from_row_slice(robot.joint_names().len(), robot.input_names().len(), &robot.input_matrix())
 }
 
 /// Input matrix B(y): the joint forces of unit inputs.
@@ -152,10 +171,9 @@ pub(super) fn longest_side(levers: &[f64]) -> Option<[usize; 2]> {
 /// Fails if no input moves a joint, or if the inputs do not move a joint with a quaternion in all directions. A planned
 /// motion would then need forces that no input produces.
 pub(super) fn require_driven(robot: &dyn Robot, states: &[Instant]) -> Result<()> {
-    let count = robot.input_names().len();
     let matrices: Vec<DMatrix<f64>> = match robot.has_inputs_at_frames() {
         true => states.iter().map(|[y, ..]| input_matrix(robot, y)).collect(),
-        false => vec![DMatrix::from_row_slice(robot.joint_names().len(), count, &robot.input_matrix())],
+        false => vec![drive_matrix(robot)],
     };
     robot.quaternion_joints().iter().try_for_each(|joint| require_all_directions(joint, &matrices))?;
     let is_moved = |joint: usize| matrices.iter().any(|matrix| matrix.row(joint).iter().any(|b| *b != 0.0));

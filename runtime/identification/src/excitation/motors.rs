@@ -1,9 +1,6 @@
 //! Limits of motors in a planned motion: torques, and torque–speed lines.
 
-use super::Instant;
-use super::smallest_inputs::SmallestInputs;
 use crate::robot::{FollowerLimits, JointLimits, Robot, TorqueSpeedLine, narrowed_limits};
-use nalgebra::{DMatrix, DVector};
 
 /// Limits that the inputs keep along a planned motion.
 pub(super) struct Torques {
@@ -23,7 +20,8 @@ impl Torques {
         Self { lines: robot.torque_speed_lines(), usable: usable.collect(), share }
     }
 
-    fn are_limited(&self) -> bool {
+    /// Whether an input has a limit.
+    pub(super) fn are_limited(&self) -> bool {
         !self.lines.is_empty() || self.usable.iter().flatten().any(|end| end.is_finite())
     }
 
@@ -44,44 +42,6 @@ impl Torques {
             let [least, most] = line.range(v);
             [low.max(least.max(self.share * least)), high.min(most.min(self.share * most))]
         })
-    }
-}
-
-/// The motors of a robot whose inputs are all drives, if a motor has a limit. The motors of other robots are in
-/// [`super::inputs`].
-pub(super) struct Motors<'a> {
-    robot: &'a dyn Robot,
-    torques: Torques,
-    matrix: SmallestInputs,
-}
-
-impl<'a> Motors<'a> {
-    /// Motors of a robot; `None` if they have no limits or if inputs act at frames.
-    ///
-    /// - `share`: usable share of the described limits
-    pub(super) fn of(robot: &'a dyn Robot, share: f64) -> Option<Self> {
-        let torques = Torques::of(robot, share);
-        let counts = torques.are_limited() && !robot.has_inputs_at_frames();
-        let (joints, inputs) = (robot.joint_names().len(), robot.input_names().len());
-        let matrix = || SmallestInputs::new(DMatrix::from_row_slice(joints, inputs, &robot.input_matrix()));
-        counts.then(|| Self { robot, torques, matrix: matrix() })
-    }
-
-    /// Name of the first motor whose limit a motion exceeds; `None` if all limits are kept.
-    pub(super) fn exceeded(&self, instants: &[Instant]) -> Option<String> {
-        let input = instants.iter().find_map(|instant| {
-            let inputs = self.inputs(instant)?;
-            let ranges = self.torques.ranges(&instant[1]);
-            inputs.iter().zip(&ranges).position(|(u, [low, high])| !(low..=high).contains(&u))
-        })?;
-        self.robot.input_names().into_iter().nth(input)
-    }
-
-    /// The smallest inputs that the described robot requires without friction; `None` if there are no inputs.
-    fn inputs(&self, [y, v, a]: &Instant) -> Option<Vec<f64>> {
-        let mut forces = vec![0.0; v.len()];
-        self.robot.rigid_forces(y, v, a, &mut forces);
-        self.matrix.closest(&DVector::from_vec(forces)).map(|inputs| inputs.as_slice().to_vec())
     }
 }
 

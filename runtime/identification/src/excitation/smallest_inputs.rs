@@ -52,6 +52,13 @@ impl SmallestInputs {
     }
 }
 
+/// The forces that the described robot requires without friction.
+pub(super) fn rigid_forces(robot: &dyn Robot, [y, v, a]: &Instant) -> DVector<f64> {
+    let mut forces = DVector::zeros(v.len());
+    robot.rigid_forces(y, v, a, forces.as_mut_slice());
+    forces
+}
+
 /// The smallest inputs u with `B(y) u = M ÿ + k − q`; `None` if no inputs produce these forces. B is the
 /// input matrix, M the mass matrix, k the bias force, and q the force without inputs.
 ///
@@ -61,12 +68,10 @@ impl SmallestInputs {
 pub(super) fn smallest_inputs(
     robot: &dyn Robot,
     matrix: &DMatrix<f64>,
-    [y, v, a]: &Instant,
+    instant: &Instant,
     limits: &[[f64; 2]],
 ) -> Option<Vec<f64>> {
-    let mut forces = vec![0.0; v.len()];
-    robot.rigid_forces(y, v, a, &mut forces);
-    let forces = DVector::from_vec(forces);
+    let forces = rigid_forces(robot, instant);
     let smallest = SmallestInputs::new(matrix.clone()).exact(&forces)?;
     let is_redundant = matrix.ncols() > matrix.nrows();
     let within = is_redundant.then(|| held_within(matrix, &forces, smallest.clone(), limits)).flatten();

@@ -1,6 +1,7 @@
 //! Sums that do not depend on the order of their terms: integers of 128 bits in units of 2⁻⁷².
 
 use super::super::error::{IdentificationError, Result};
+use serde::{Deserialize, Serialize};
 
 /// Number of binary digits after the point. The unit is 2⁻⁷² ≈ 2.1e-22. Floating-point numbers below 2⁻²⁰ lose digits.
 const BITS: i32 = 72;
@@ -8,7 +9,8 @@ const BITS: i32 = 72;
 const LARGEST: u128 = 1 << 126;
 
 /// An exact number, stored as a multiple of 2⁻⁷².
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(into = "(u32, i128)", try_from = "(u32, i128)")]
 pub(super) struct Exact(i128);
 
 impl Exact {
@@ -38,32 +40,23 @@ impl Exact {
     pub(super) fn value(self) -> f64 {
         self.0 as f64 * 2.0_f64.powi(-BITS)
     }
+}
 
-    /// Writes the number of trailing zero bits, the number of bytes of the rest, and these bytes. A floating-point number
-    /// has at most nine bytes.
-    pub(super) fn write(self, bytes: &mut Vec<u8>) {
-        if self.0 == 0 {
-            return bytes.extend([0, 0]);
-        }
-        let zeros = self.0.trailing_zeros();
-        let odd = (self.0 >> zeros).to_le_bytes();
-        let sign = if self.0 < 0 { 0xff } else { 0 };
-        // The last byte that is kept has to contain the sign.
-        let kept =
-            (1..16).rev().find(|&i| odd[i] != sign || (odd[i - 1] ^ sign) & 0x80 != 0).unwrap_or(0) + 1;
-        bytes.extend([zeros as u8, kept as u8]);
-        bytes.extend(&odd[..kept]);
+/// The number of trailing zero bits, and the rest. The rest of a floating-point number is short.
+impl From<Exact> for (u32, i128) {
+    fn from(Exact(units): Exact) -> Self {
+        let zeros = if units == 0 { 0 } else { units.trailing_zeros() };
+        (zeros, units >> zeros)
     }
+}
 
-    /// A number from its trailing zero bits and the bytes of the rest; `None` if the bytes are not a valid number.
-    pub(super) fn read(zeros: u8, odd: &[u8]) -> Option<Self> {
-        let negative = odd.last().is_some_and(|byte| byte & 0x80 != 0);
-        let mut all = [if negative { 0xff } else { 0 }; 16];
-        all.get_mut(..odd.len())?.copy_from_slice(odd);
-        let rest = i128::from_le_bytes(all);
-        let shifted = rest.checked_shl(u32::from(zeros))?;
-        let whole = shifted >> zeros == rest && shifted.unsigned_abs() < LARGEST;
-        whole.then_some(Self(shifted))
+impl TryFrom<(u32, i128)> for Exact {
+    type Error = &'static str;
+
+    fn try_from((zeros, rest): (u32, i128)) -> std::result::Result<Self, Self::Error> {
+        let units = rest.checked_shl(zeros).filter(|units| units >> zeros == rest);
+        let units = units.filter(|units| units.unsigned_abs() < LARGEST);
+        units.map(Self).ok_or("a sum is too large")
     }
 }
 
@@ -100,11 +93,9 @@ mod tests {
         for x in numbers() {
             let exact = Exact::new(x).unwrap();
             assert!((exact.value() - x).abs() <= 1.1e-22, "{x}");
-            let mut bytes = Vec::new();
-            exact.write(&mut bytes);
-            assert_eq!(bytes.len(), 2 + usize::from(bytes[1]));
-            assert!(bytes.len() <= 9, "{x}: {bytes:?}");
-            assert_eq!(Exact::read(bytes[0], &bytes[2..]), Some(exact), "{x}: {bytes:?}");
+            let bytes = postcard::to_stdvec(&exact).unwrap();
+            assert!(bytes.len() <= 10, "{x}: {bytes:?}");
+            assert_eq!(postcard::from_bytes(&bytes), Ok(exact), "{x}: {bytes:?}");
         }
     }
 
@@ -115,8 +106,8 @@ mod tests {
         }
         let large = Exact::new(1.5e16).unwrap();
         assert!(large.plus(large).is_err());
-        assert_eq!(Exact::read(127, &[3]), None);
-        assert_eq!(Exact::read(200, &[1]), None);
-        assert_eq!(Exact::read(0, &[1; 17]), None);
+        for parts in [(127, 3), (200, 1), (0, i128::MAX)] {
+            assert!(Exact::try_from(parts).is_err());
+        }
     }
 }

@@ -5,7 +5,7 @@ use super::super::error::{IdentificationError, Result, at};
 use super::super::estimation::{
     Columns, Estimate, Gravity, ShareSums, SharedData, SharedEstimate, estimate_shares,
 };
-use super::super::friction::{FrictionData, Setting, SharedFriction};
+use super::super::friction::{FrictionData, SETTINGS, SharedFriction, note_on_direction};
 use super::super::identify::{Identification, IdentificationSettings, JointFriction, unless_refused};
 use super::super::log::{Labels, Recording};
 use super::super::methods::moments::Moments;
@@ -16,7 +16,7 @@ use super::super::shafts::RobotRows;
 use super::exact::Exact;
 use super::file::hash_of;
 use super::levels;
-use super::logs::{JointFacts, LogMoments, ReducedLog, Share};
+use super::logs::{JointFacts, LogMoments, ReducedLog};
 use gelenk_findings::{Finding, Rule, counted};
 use nalgebra::{DMatrix, DVector};
 
@@ -58,7 +58,7 @@ pub fn identify_moments(
     let rows = RobotRows::of(robot);
     let (joints, robot) = (robot, &rows as &dyn Robot);
     let columns = moments.columns(robot)?;
-    let shares = moments.share_sums(&columns)?;
+    let shares = moments.share_sums()?;
     progress("Friction terms and the weight of the description are chosen by the error on held-out data.");
     let data = SharedData {
         robot,
@@ -134,10 +134,11 @@ impl LogMoments {
     ///
     /// # Errors
     /// [`IdentificationError::File`] if there are too few shares with samples.
-    fn share_sums(&self, columns: &Columns) -> Result<Vec<ShareSums>> {
+    fn share_sums(&self) -> Result<Vec<ShareSums<f64>>> {
         let fewest = levels::FEWEST_SHARES.get();
         let filled = self.shares.iter().filter(|share| share.samples > 0);
-        let shares: Vec<ShareSums> = filled.map(|share| share.sums(columns)).collect();
+        let shares =
+            filled.map(|share| share.converted(|sum| Ok(sum.value()))).collect::<Result<Vec<_>>>()?;
         if shares.len() >= fewest {
             return Ok(shares);
         }
@@ -185,14 +186,18 @@ impl LogMoments {
     }
 
     /// Number, duration and filters of the logs.
-    fn summary(&self) -> Setting {
-        Setting::Moments {
-            logs: self.logs.len(),
-            samples: self.samples(),
-            seconds: self.logs.iter().map(|log| log.seconds).sum(),
-            shares: self.shares(),
-            bandwidths: self.range(&|log| [log.bandwidth; 2]),
-        }
+    fn summary(&self) -> Finding {
+        let [narrow, wide] = self.range(&|log| [log.bandwidth; 2]);
+        let range = if narrow < wide { format!("{narrow:.3} to ") } else { String::new() };
+        SETTINGS.found(format!(
+            "moments of {}, {} samples, {:.1} s, in {} groups for cross-validation, low-pass filter {range}{wide:.3} Hz. R² is \
+             computed with one offset for each run. The values of these offsets cannot be computed from moments, so they are not \
+             reported",
+            counted(self.logs.len(), "log", "logs"),
+            self.samples(),
+            self.logs.iter().map(|log| log.seconds).sum::<f64>(),
+            self.shares()
+        ))
     }
 
     /// Findings about different filters and different delays of the logs.
@@ -226,7 +231,7 @@ impl LogMoments {
         // Signals do not pass this filter, which only has the bandwidth for the report.
         let sample_rate = 10.0 * bandwidth;
         let filter = Filter::new(bandwidth, 1.0 / sample_rate)?;
-        let findings = vec![OF_MOMENTS.found(self.summary().to_string())];
+        let findings = vec![OF_MOMENTS.found(self.summary().message)];
         Ok(PreparationReport { joints: Vec::new(), delays: Vec::new(), filter, sample_rate, findings })
     }
 
@@ -239,32 +244,11 @@ impl LogMoments {
     }
 }
 
-impl Share {
-    fn sums(&self, columns: &Columns) -> ShareSums {
-        let square = |(products, width): (&Vec<Exact>, usize)| {
-            let place = |i: usize, j: usize| i * (i + 1) / 2 + j;
-            DMatrix::from_fn(width, width, |i, j| products[place(i.max(j), i.min(j))].value())
-        };
-        ShareSums {
-            samples: self.samples as usize,
-            weights: self.joints.iter().map(|joint| joint.weight.value()).collect(),
-            products: self
-                .joints
-                .iter()
-                .map(|joint| &joint.products)
-                .zip(columns.widths())
-                .map(square)
-                .collect(),
-            lost: self.joints.iter().map(|joint| joint.lost.map(Exact::value)).collect(),
-        }
-    }
-}
-
 /// Friction of one joint, from the residual of the rigid body.
 struct JointMoments<'a> {
     joint: usize,
     facts: &'a JointFacts,
-    shares: &'a [ShareSums],
+    shares: &'a [ShareSums<f64>],
     library: Vec<(String, usize)>,
     /// Factors of the linear combination of the joint's columns (regressor, terms, measured force) that is
     /// its friction torque.
@@ -279,7 +263,7 @@ impl JointMoments<'_> {
         settings: &IdentificationSettings,
         estimate: &Estimate,
         data: &str,
-        summary: &Setting,
+        summary: &Finding,
     ) -> JointFriction {
         let of_joint = &estimate.joints[self.joint];
         let (library, left_out) = self.seen();
@@ -292,7 +276,7 @@ impl JointMoments<'_> {
             settings: &[Some(summary.clone()), left_out].into_iter().flatten().collect::<Vec<_>>(),
             ..FrictionData::default()
         };
-        let lost: f64 = self.shares.iter().map(|share| share.lost[self.joint][0]).sum();
+        let lost: f64 = self.shares.iter().map(|share| share.joints[self.joint].lost[0]).sum();
         let shared = SharedFriction {
             about,
             shares: self.shares.iter().map(|share| self.moments(share, &library)).collect(),
@@ -309,7 +293,7 @@ impl JointMoments<'_> {
     }
 
     /// The library without asymmetric terms that the logs do not determine, and the terms that were left out.
-    fn seen(&self) -> (Vec<(String, usize)>, Option<Setting>) {
+    fn seen(&self) -> (Vec<(String, usize)>, Option<Finding>) {
         let names: Vec<String> = self.library.iter().map(|(name, _)| name.clone()).collect();
         let [vv, v, tt, t] = self.facts.directions.map(Exact::value);
         let energies = |term: usize| {
@@ -317,19 +301,18 @@ impl JointMoments<'_> {
             [0.5 * (all + signed), 0.5 * (all - signed)]
         };
         let (kept, out) = seen_both_ways(&names, energies);
-        let left_out = (!out.is_empty()).then_some(Setting::OneDirection(out));
-        (kept.into_iter().map(|term| self.library[term].clone()).collect(), left_out)
+        (kept.into_iter().map(|term| self.library[term].clone()).collect(), note_on_direction(&out))
     }
 
     /// Products of the columns of the terms and of the friction torque.
-    fn moments(&self, share: &ShareSums, library: &[(String, usize)]) -> Moments {
-        let products = &share.products[self.joint];
+    fn moments(&self, share: &ShareSums<f64>, library: &[(String, usize)]) -> Moments {
+        let products = share.joints[self.joint].matrix(self.factors.len());
         let mut map = DMatrix::zeros(products.nrows(), library.len() + 1);
         for (column, (_, place)) in library.iter().enumerate() {
             map[(*place, column)] = 1.0;
         }
         map.set_column(library.len(), self.factors);
         let names = library.iter().map(|(name, _)| name.clone()).collect();
-        Moments::of_products(names, share.samples, map.transpose() * products * map)
+        Moments::of_products(names, share.samples as usize, map.transpose() * products * map)
     }
 }

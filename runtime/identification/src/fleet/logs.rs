@@ -1,10 +1,12 @@
 //! Moments (sums of products) of logs, and the sum of the moments of several logs.
 
 use super::super::error::{IdentificationError, Result, at};
+use super::super::estimation::ShareSums;
 use super::super::log::hexadecimal;
 use super::super::run::Effort;
 use super::exact::Exact;
 use gelenk_findings::{Finding, Rule};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Sees: warnings of fits to single logs, counted.
@@ -22,7 +24,7 @@ pub(super) type Hash = [u8; 32];
 /// Moments of one or several logs: sums of products of the columns of each joint's equation (regressor and measured force).
 /// First the mean of each run is subtracted from the columns, except in the equations of joints with a quaternion. The samples
 /// are divided into 16 groups (shares) with separate sums. The size of moments does not depend on the length of the logs.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LogMoments {
     pub(super) about: About,
     /// Logs, ascending by their hashes.
@@ -35,7 +37,7 @@ pub struct LogMoments {
 }
 
 /// Properties that must be equal for moments to be added.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct About {
     /// SHA-256 of the description and of the options for reading it.
     pub(super) description: Hash,
@@ -50,7 +52,7 @@ pub(super) struct About {
 }
 
 /// A log that was reduced to moments (sums of products).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ReducedLog {
     /// File name of the log.
     pub name: String,
@@ -71,7 +73,7 @@ pub struct ReducedLog {
 }
 
 /// A doubt of the fits to single logs. Doubts with the same joint and kind are combined and counted.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Doubt {
     /// Index of the joint; `None` if the doubt is about all joints.
     pub(super) joint: Option<u32>,
@@ -84,7 +86,7 @@ pub(super) struct Doubt {
 }
 
 /// A log, and a doubt about it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct DoubtedLog {
     pub(super) hash: Hash,
     pub(super) name: String,
@@ -93,7 +95,7 @@ pub(super) struct DoubtedLog {
 }
 
 /// Properties of a joint in addition to its sums of products.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct JointFacts {
     /// Largest range of positions in a run [rad or m].
     pub(super) span: f64,
@@ -103,25 +105,7 @@ pub(super) struct JointFacts {
 }
 
 /// Sums over the pieces of a share.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Share {
-    pub(super) samples: u64,
-    /// Sums of each joint; empty for a share without samples.
-    pub(super) joints: Vec<JointSums>,
-}
-
-/// Sums of products of one joint.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct JointSums {
-    /// Σ w, with the weights w of the samples.
-    pub(super) weight: Exact,
-    /// Sums of squares that the reduced weights w of outliers remove: Σ (1 − w) r² and Σ (1 − w)(z − z̄)², in squared units of
-    /// the effort, with the residual r and the measured effort z.
-    pub(super) lost: [Exact; 2],
-    /// Lower triangle, row by row, of Σ w (x − x̄)(x − x̄)ᵀ of the columns x with their means x̄; of Σ w x xᵀ for a joint with
-    /// a quaternion.
-    pub(super) products: Vec<Exact>,
-}
+pub(super) type Share = ShareSums<Exact>;
 
 impl ReducedLog {
     /// Returns the SHA-256 of the log's bytes, in hexadecimal.
@@ -170,12 +154,27 @@ impl LogMoments {
     pub fn sum<E: From<IdentificationError>>(
         parts: impl IntoIterator<Item = std::result::Result<(Self, String), E>>,
     ) -> std::result::Result<Self, E> {
-        let mut sum = Sum::default();
+        let mut sum: Option<(Self, String)> = None;
+        // Origin of each log, with the hash of its samples as key: the name of the file of moments, and the log's name there.
+        let mut places: BTreeMap<Hash, (String, String)> = BTreeMap::new();
         for part in parts {
             let (moments, place) = part?;
-            sum.add(moments, &place)?;
+            if let Some((total, first)) = &sum {
+                require_same(&total.about, &moments.about, first, &place)?;
+            }
+            for log in &moments.logs {
+                let known = places.insert(log.content, (place.clone(), log.name.clone()));
+                if let Some((before, name)) = known {
+                    return Err(twice(&place, &log.name, &before, &name).into());
+                }
+            }
+            match &mut sum {
+                Some((total, _)) => total.add(moments)?,
+                None => sum = Some((moments, place)),
+            }
         }
-        Ok(sum.total.ok_or_else(|| IdentificationError::Empty { what: "the list of moments".into() })?)
+        let sum = sum.map(|(total, _)| total);
+        Ok(sum.ok_or_else(|| IdentificationError::Empty { what: "the list of moments".into() })?)
     }
 
     /// Adds moments of the same robot and options.
@@ -187,7 +186,7 @@ impl LogMoments {
             joint.add(other)?;
         }
         for (share, other) in self.shares.iter_mut().zip(other.shares) {
-            share.add(other)?;
+            add_share(share, other)?;
         }
         Ok(())
     }
@@ -222,20 +221,19 @@ impl JointFacts {
     }
 }
 
-impl Share {
-    pub(super) fn add(&mut self, other: Self) -> Result<()> {
-        self.samples = self.samples.saturating_add(other.samples);
-        if self.joints.is_empty() {
-            self.joints = other.joints;
-            return Ok(());
-        }
-        for (joint, other) in self.joints.iter_mut().zip(&other.joints) {
-            joint.weight = joint.weight.plus(other.weight)?;
-            add_all(&mut joint.lost, &other.lost)?;
-            add_all(&mut joint.products, &other.products)?;
-        }
-        Ok(())
+/// Adds the sums of another share.
+pub(super) fn add_share(share: &mut Share, other: Share) -> Result<()> {
+    share.samples = share.samples.saturating_add(other.samples);
+    if share.joints.is_empty() {
+        share.joints = other.joints;
+        return Ok(());
     }
+    for (joint, other) in share.joints.iter_mut().zip(&other.joints) {
+        joint.weight = joint.weight.plus(other.weight)?;
+        add_all(&mut joint.lost, &other.lost)?;
+        add_all(&mut joint.products, &other.products)?;
+    }
+    Ok(())
 }
 
 fn add_all(sums: &mut [Exact], others: &[Exact]) -> Result<()> {
@@ -243,40 +241,6 @@ fn add_all(sums: &mut [Exact], others: &[Exact]) -> Result<()> {
         *sum = sum.plus(*other)?;
         Ok(())
     })
-}
-
-/// A sum of moments while parts are added.
-#[derive(Debug, Default)]
-struct Sum {
-    total: Option<LogMoments>,
-    /// Name of the file of the first moments.
-    first: String,
-    /// Origin of each log, with the hash of its samples as key: the name of the file of moments, and the log's name there.
-    places: BTreeMap<Hash, (String, String)>,
-}
-
-impl Sum {
-    /// Adds moments from the file `place`.
-    fn add(&mut self, moments: LogMoments, place: &str) -> Result<()> {
-        if let Some(total) = &self.total {
-            require_same(&total.about, &moments.about, &self.first, place)?;
-        } else {
-            place.clone_into(&mut self.first);
-        }
-        for log in &moments.logs {
-            let known = self.places.insert(log.content, (place.to_owned(), log.name.clone()));
-            if let Some((before, name)) = known {
-                return Err(twice(place, &log.name, &before, &name));
-            }
-        }
-        match &mut self.total {
-            Some(total) => total.add(moments),
-            None => {
-                self.total = Some(moments);
-                Ok(())
-            }
-        }
-    }
 }
 
 fn twice(place: &str, name: &str, before: &str, other: &str) -> IdentificationError {

@@ -18,7 +18,7 @@ use super::exact::Exact;
 use super::file::hash_of;
 use super::levels;
 use super::logs::{
-    About, Doubt, DoubtedLog, Hash, JointFacts, JointSums, LogMoments, ReducedLog, SHARES, Share,
+    About, Doubt, DoubtedLog, Hash, JointFacts, LogMoments, ReducedLog, SHARES, Share, add_share,
 };
 use gelenk_findings::{Finding, Severity};
 use std::path::Path;
@@ -248,31 +248,15 @@ fn pieces(runs: &[PreparedRun], correlation: f64) -> Vec<RunPiece> {
 
 /// Assigns the pieces to the shares. The hash of the log determines the first share, so that short logs fill all shares.
 /// Neighbouring pieces are in neighbouring shares.
-fn shares(sums: &[ShareSums], hash: &Hash) -> Result<Vec<Share>> {
+fn shares(sums: &[ShareSums<f64>], hash: &Hash) -> Result<Vec<Share>> {
     let first = usize::from(hash[0]);
     let most = sums.len().max(SHARES);
     let mut shares = vec![Share::default(); SHARES];
     for (piece, sums) in sums.iter().enumerate() {
         let place = (first + piece * SHARES / most) % SHARES;
-        shares[place].add(share(sums)?)?;
+        add_share(&mut shares[place], sums.converted(Exact::new)?)?;
     }
     Ok(shares)
-}
-
-fn share(sums: &ShareSums) -> Result<Share> {
-    let joint = |joint: usize| -> Result<JointSums> {
-        let products = &sums.products[joint];
-        let triangle =
-            (0..products.nrows()).flat_map(|row| (0..=row).map(move |column| products[(row, column)]));
-        let [residual, total] = sums.lost[joint].map(Exact::new);
-        Ok(JointSums {
-            weight: Exact::new(sums.weights[joint])?,
-            lost: [residual?, total?],
-            products: triangle.map(Exact::new).collect::<Result<_>>()?,
-        })
-    };
-    let joints = (0..sums.products.len()).map(joint).collect::<Result<_>>()?;
-    Ok(Share { samples: sums.samples as u64, joints })
 }
 
 fn from_hexadecimal(text: &str) -> Option<Hash> {

@@ -259,9 +259,9 @@ fn sums_are_those_of_the_centred_columns() {
             let i = piece.rows.start + i;
             w[i].sqrt() * (all[(i, k)] - means[k])
         });
-        assert!((part.transpose() * part - &sums.products[0]).amax() < 1e-9);
+        assert!((part.transpose() * part - sums.joints[0].matrix(q)).amax() < 1e-9);
         let lost: f64 = piece.rows.clone().map(|i| 1.0 - w[i]).sum();
-        assert!((sums.lost[0][0] - lost).abs() < 1e-10);
+        assert!((sums.joints[0].lost[0] - lost).abs() < 1e-10);
     }
     let names: Vec<String> = columns.library(0).into_iter().map(|(name, _)| name).collect();
     let library = super::super::methods::library::Library::joint_friction().unwrap();
@@ -387,8 +387,8 @@ fn files_that_are_something_else_are_refused_and_kept() {
     assert!(message(b"t,q1\n").contains("it is not a file of moments"));
     let bytes = all[0].bytes();
     let mut newer = bytes.clone();
-    newer[15] = b'5';
-    assert!(message(&newer).contains("only version 4"));
+    newer[15] = b'6';
+    assert!(message(&newer).contains("only version 5"));
     let refused = all[0].write(DESCRIPTION, &paths[0]).unwrap_err().to_string();
     assert!(refused.contains("the existing file is not a file of moments. Name another file"), "{refused}");
     let path = folder.path().join("one.moments");

@@ -30,10 +30,7 @@ impl FrictionData<'_> {
     pub(super) fn columns(&self, library: &Library) -> Result<Vec<Vec<f64>>> {
         match self.filtered {
             Some(filtered) => filtered.columns(|v| library.matrix(&[v])),
-            None => {
-                let matrix = library.matrix(&[self.velocities])?;
-                Ok(matrix.column_iter().map(|column| column.iter().copied().collect()).collect())
-            }
+            None => library.columns(&[self.velocities]),
         }
     }
 

@@ -5,9 +5,10 @@ use super::super::methods::library::Library;
 use super::super::methods::moments::{Moments, Samples, contiguous_blocks};
 use super::super::methods::subset::seen_both_ways;
 use super::levels;
-use super::settings::Setting;
+use super::settings::note_on_direction;
 use super::task::{FrictionData, FrictionIdentification, Offsets};
-use nalgebra::{DMatrix, DVector};
+use gelenk_findings::Finding;
+use nalgebra::DVector;
 use std::ops::Range;
 
 /// Columns of the candidate terms.
@@ -16,15 +17,14 @@ pub(super) struct Design<'a> {
     /// The terms of the library that may be part of the law.
     pub(super) library: Library,
     columns: Vec<Vec<f64>>,
-    pub(super) runs: Vec<Range<usize>>,
-    /// Sentences on terms that were left out of the library, with reasons.
-    pub(super) notes: Vec<Setting>,
+    /// Notes on terms that were left out of the library, with reasons.
+    pub(super) notes: Vec<Finding>,
 }
 
 impl<'a> Design<'a> {
     pub(super) fn new(settings: &FrictionIdentification, data: &'a FrictionData<'a>) -> Result<Self> {
         let (library, notes) = seen(&settings.library, settings.offsets, data.velocities)?;
-        Ok(Self { columns: data.columns(&library)?, data, library, runs: runs(data), notes })
+        Ok(Self { columns: data.columns(&library)?, data, library, notes })
     }
 
     /// Samples of all terms for least squares.
@@ -37,20 +37,6 @@ impl<'a> Design<'a> {
         let names: Vec<String> = terms.iter().map(|&i| self.library.terms()[i].clone()).collect();
         let columns = terms.iter().map(|&i| self.columns[i].as_slice()).collect();
         Samples::from_columns(&names, columns, vec![self.data.torques])
-    }
-
-    /// The column of a term.
-    pub(super) fn column(&self, term: usize) -> &[f64] {
-        &self.columns[term]
-    }
-
-    /// Products `Θᵀ F` of some of the terms (Θ) with the terms of another library (F).
-    pub(super) fn products(&self, terms: &[usize], other: &Library) -> Result<DMatrix<f64>> {
-        let others = self.data.columns(other)?;
-        let product = |term: usize, other: &[f64]| -> f64 {
-            self.columns[term].iter().zip(other).map(|(x, f)| x * f).sum()
-        };
-        Ok(DMatrix::from_fn(terms.len(), others.len(), |i, k| product(terms[i], &others[k])))
     }
 
     /// Moments of the folds of the cross-validation.
@@ -83,8 +69,8 @@ pub(super) fn runs(data: &FrictionData) -> Vec<Range<usize>> {
     data.runs.map_or_else(|| vec![whole], <[_]>::to_vec)
 }
 
-/// The terms of a library that may be part of a law at these velocities, and sentences on the terms that were left out.
-fn seen(library: &Library, offsets: Offsets, velocities: &[f64]) -> Result<(Library, Vec<Setting>)> {
+/// The terms of a library that may be part of a law at these velocities, and notes on the terms that were left out.
+fn seen(library: &Library, offsets: Offsets, velocities: &[f64]) -> Result<(Library, Vec<Finding>)> {
     let library = if offsets == Offsets::PartOfLaw { library.clone() } else { without_constants(library)? };
     let matrix = library.matrix(&[velocities])?;
     let energies = |term: usize| {
@@ -100,8 +86,7 @@ fn seen(library: &Library, offsets: Offsets, velocities: &[f64]) -> Result<(Libr
             })
     });
     let told_apart: Vec<usize> = told_apart.map(|(_, term)| *term).collect();
-    let note = (!out.is_empty()).then_some(Setting::OneDirection(out));
-    Ok((library.only(&told_apart)?, note.into_iter().collect()))
+    Ok((library.only(&told_apart)?, note_on_direction(&out).into_iter().collect()))
 }
 
 /// Whether one column is a multiple of the other within the errors of the data.

@@ -1,6 +1,7 @@
 //! Friction and offsets that change over the log, for example while a gear warms up.
 
 use super::super::error::Result;
+use super::super::estimation::with_ridge;
 use super::super::methods::confidence::{LongRun, quantile};
 use super::super::methods::offset::{centre, mean};
 use super::super::result::FrictionLaw;
@@ -108,11 +109,7 @@ impl Projection {
         for column in columns.as_mut_slice().chunks_exact_mut(m) {
             centre(column, runs);
         }
-        let mut gram = columns.tr_mul(&columns);
-        for i in 0..gram.nrows() {
-            gram[(i, i)] = gram[(i, i)] * (1.0 + 1e-9) + f64::MIN_POSITIVE;
-        }
-        Some(Self { factor: gram.cholesky()?, columns })
+        Some(Self { factor: with_ridge(columns.tr_mul(&columns)).cholesky()?, columns })
     }
 
     fn residual(&self, series: Vec<f64>) -> Vec<f64> {

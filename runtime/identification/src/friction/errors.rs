@@ -6,12 +6,14 @@ use super::super::methods::confidence::{Correlated, LongRun};
 use super::super::methods::least_squares::{Reduced, triangular_factor};
 use super::super::methods::library::Library;
 use super::super::methods::margin::change;
-use super::super::methods::moments::Moments;
+use super::super::methods::moments::{Moments, Samples};
 use super::super::numeric::spectrum;
 use super::super::numeric::statistics::median;
 use super::super::result::FrictionTerm;
-use super::design::Design;
+use super::design::runs;
+use super::task::FrictionData;
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
 
 /// Standard errors of the coefficients of the chosen terms.
 pub(super) struct Errors {
@@ -30,33 +32,40 @@ pub(super) struct Errors {
 impl Errors {
     /// Errors of the coefficients for correlated residuals.
     ///
-    /// - `active`: indices of the chosen terms
+    /// - `samples`: columns of the chosen terms, or derivatives of a nonlinear law with respect to its parameters
     /// - `binding`: rows of active constraints. The combinations of coefficients that they fix count as known.
     pub(super) fn of_samples(
-        design: &Design,
-        active: &[usize],
+        data: &FrictionData,
+        samples: &Samples,
         binding: &DMatrix<f64>,
         residuals: &[f64],
     ) -> Result<Self> {
-        let bread = inverse_gram(design, active, binding)?;
-        let scores: Vec<Vec<f64>> = active.iter().map(|&i| score(design, i, residuals)).collect();
-        let errors = Correlated::new(&bread, &scores, &design.runs);
+        let (columns, runs) = (samples.terms(), runs(data));
+        let root = triangular_factor(samples).view((0, 0), (columns.len(), columns.len())).into_owned();
+        let bread = inverse_on_face(root, binding);
+        let scores: Vec<Vec<f64>> = columns.iter().map(|column| products(column, residuals)).collect();
+        let errors = Correlated::new(&bread, &scores, &runs);
+        let alone = |(column, score): (&Cow<[f64]>, &Vec<f64>)| {
+            LongRun::of_sum(score, &runs).standard_error() / sum(&products(column, column))
+        };
         let found = Self {
             covariance: errors.covariance,
             standard: errors.standard,
-            reach: vec![None; active.len()],
-            resolution: active.iter().zip(&scores).map(|(&i, s)| alone(design, i, s)).collect(),
+            reach: vec![None; columns.len()],
+            resolution: columns.iter().zip(&scores).map(alone).collect(),
             freedom: errors.freedom.min(1e9),
             effective_samples: residuals.len() as f64 / median(errors.inflation).map_or(1.0, |x| x.max(1.0)),
         };
-        if design.data.common.is_none() && design.data.filtered.is_none() {
+        if data.common.is_none() && data.filtered.is_none() {
             return Ok(found);
         }
-        let changes = changes(design, active, binding, &scores);
-        let map = |common: &CommonTerms| {
-            Ok(&bread * design.products(active, &Library::new(&common.bases, &["v"])?)?)
+        let changes = changes(data, columns, binding, &scores);
+        let map = |common: &CommonTerms| -> Result<DMatrix<f64>> {
+            let others = data.columns(&Library::new(&common.bases, &["v"])?)?;
+            let product = |i: usize, k: usize| sum(&products(&columns[i], &others[k]));
+            Ok(&bread * DMatrix::from_fn(columns.len(), others.len(), product))
         };
-        let common = design.data.common.map(|common| map(common).map(|map| (common, map)));
+        let common = data.common.map(|common| map(common).map(|map| (common, map)));
         found.with_biases(common.transpose()?, changes)
     }
 
@@ -69,7 +78,8 @@ impl Errors {
         binding: &DMatrix<f64>,
     ) -> Self {
         let gram = reduced.moments().gram().select_rows(active).select_columns(active);
-        let bread = inverse_on_face(&gram, &binding.select_columns(active));
+        let root = gram.clone().cholesky().map_or_else(|| 0.0 * &gram, |factor| factor.l().transpose());
+        let bread = inverse_on_face(root, &binding.select_columns(active));
         let count = shares.len() as f64;
         let mut scores = DMatrix::zeros(active.len(), active.len());
         for share in shares {
@@ -107,62 +117,49 @@ impl Errors {
     }
 }
 
-/// Contributions of the samples to the normal equation of one term.
-fn score(design: &Design, term: usize, residuals: &[f64]) -> Vec<f64> {
-    design.column(term).iter().zip(residuals).map(|(x, r)| x * r).collect()
+fn products(one: &[f64], other: &[f64]) -> Vec<f64> {
+    one.iter().zip(other).map(|(x, y)| x * y).collect()
+}
+
+fn sum(series: &[f64]) -> f64 {
+    series.iter().sum()
 }
 
 /// Changes of the coefficients if the samples near rests and reversals are left out, within the subspace that active
 /// constraints leave.
 ///
 /// - `scores`: scores of the samples, for each coefficient
-fn changes(design: &Design, active: &[usize], binding: &DMatrix<f64>, scores: &[Vec<f64>]) -> DVector<f64> {
-    let Some(filtered) = design.data.filtered else { return DVector::zeros(active.len()) };
+fn changes(
+    data: &FrictionData,
+    columns: &[Cow<[f64]>],
+    binding: &DMatrix<f64>,
+    scores: &[Vec<f64>],
+) -> DVector<f64> {
+    let Some(filtered) = data.filtered else { return DVector::zeros(columns.len()) };
     let near = filtered.near();
     let away = |series: &[f64]| series.iter().zip(&near).filter(|(_, near)| !**near).map(|(x, _)| x).sum();
+    let face = null_space(binding, columns.len());
     let gram = |part: &dyn Fn(&[f64]) -> f64| {
-        let product = |i: usize, k: usize| part(&score(design, active[i], design.column(active[k])));
-        DMatrix::from_fn(active.len(), active.len(), product)
+        let product = |i: usize, k: usize| part(&products(&columns[i], &columns[k]));
+        face.tr_mul(&DMatrix::from_fn(columns.len(), columns.len(), product)) * &face
     };
-    let face = null_space(&binding.select_columns(active), active.len());
-    let on_face = |part: &dyn Fn(&[f64]) -> f64| face.tr_mul(&gram(part)) * &face;
-    let left = DVector::from_iterator(active.len(), scores.iter().map(|series| away(series)));
-    &face * change(&on_face(&|series| series.iter().sum()), &on_face(&away), &face.tr_mul(&left))
+    let left = DVector::from_iterator(columns.len(), scores.iter().map(|series| away(series)));
+    &face * change(&gram(&sum), &gram(&away), &face.tr_mul(&left))
 }
 
-/// Standard error of a coefficient if all other coefficients were known.
-fn alone(design: &Design, term: usize, score: &[f64]) -> f64 {
-    let energy: f64 = design.column(term).iter().map(|x| x * x).sum();
-    LongRun::of_sum(score, &design.runs).standard_error() / energy
-}
-
-/// `(ΘᵀΘ)⁻¹` of the columns Θ of the active terms, within the subspace that active constraints leave, by
-/// orthogonal factorization.
-fn inverse_gram(design: &Design, active: &[usize], binding: &DMatrix<f64>) -> Result<DMatrix<f64>> {
-    let (p, samples) = (active.len(), design.samples_of(active)?);
-    let r = triangular_factor(&samples).view((0, 0), (p, p)).into_owned();
-    let z = null_space(&binding.select_columns(active), p);
-    if z.ncols() == 0 {
-        // Constraints fix all coefficients.
-        return Ok(DMatrix::zeros(p, p));
-    }
-    let svd = spectrum::svd(r * &z);
-    let limit = 1e-12 * svd.singular_values.amax();
-    let Some(v_t) = svd.v_t else { return Ok(DMatrix::zeros(p, p)) };
-    let inverse = svd.singular_values.map(|s| if s > limit { 1.0 / (s * s) } else { 0.0 });
-    let inner = v_t.transpose() * DMatrix::from_diagonal(&inverse) * v_t;
-    Ok(&z * inner * z.transpose())
-}
-
-/// The inverse of a Gram matrix within the subspace that active constraints leave.
-fn inverse_on_face(gram: &DMatrix<f64>, binding: &DMatrix<f64>) -> DMatrix<f64> {
-    let z = null_space(binding, gram.nrows());
-    if z.ncols() == 0 {
-        // Constraints fix all coefficients.
-        return DMatrix::zeros(gram.nrows(), gram.nrows());
-    }
-    let inner = spectrum::svd(z.transpose() * gram * &z).pseudo_inverse(1e-14 * gram.amax());
-    inner.map_or_else(|_| DMatrix::zeros(gram.nrows(), gram.nrows()), |inner| &z * inner * z.transpose())
+/// `(RᵀR)⁻¹` within the subspace that active constraints leave, by orthogonal factorization.
+fn inverse_on_face(root: DMatrix<f64>, binding: &DMatrix<f64>) -> DMatrix<f64> {
+    let count = root.ncols();
+    let z = null_space(binding, count);
+    // Constraints may fix all coefficients.
+    let svd = (z.ncols() > 0).then(|| spectrum::svd(root * &z));
+    let Some((values, v_t)) = svd.and_then(|svd| Some((svd.singular_values, svd.v_t?))) else {
+        return DMatrix::zeros(count, count);
+    };
+    let limit = 1e-12 * values.amax();
+    let inverse = values.map(|s| if s > limit { 1.0 / (s * s) } else { 0.0 });
+    let half = z * v_t.transpose();
+    &half * DMatrix::from_diagonal(&inverse) * half.transpose()
 }
 
 /// Orthonormal columns that span the null space of the rows.

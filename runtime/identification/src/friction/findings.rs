@@ -4,7 +4,7 @@ use super::super::error::Result;
 use super::super::methods::library::Library;
 use super::super::result::FrictionLaw;
 use super::levels;
-use super::settings::Setting;
+use super::settings::SETTINGS;
 use super::task::FrictionData;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
@@ -36,17 +36,24 @@ pub(super) struct Findings<'a> {
 
 impl<'a> Findings<'a> {
     pub(super) fn new(data: &'a FrictionData<'a>) -> Self {
-        let notes = data.settings.iter().map(Setting::finding).collect();
-        Self { data, notes, all: Vec::new() }
+        Self { data, notes: data.settings.to_vec(), all: Vec::new() }
     }
 
-    pub(super) fn note(&mut self, setting: &Setting) {
-        self.notes.push(setting.finding());
+    /// Notes a setting.
+    pub(super) fn note(&mut self, message: impl Into<String>) {
+        self.notes.push(SETTINGS.found(message));
     }
 
     /// Notes the terms from which the law is chosen.
-    pub(super) fn note_library(&mut self, library: &Library, with_offsets: bool, condition: f64) {
-        self.note(&Setting::Library { terms: library.terms().to_vec(), with_offsets, condition });
+    ///
+    /// - `offsets`: words on the offsets that are estimated in addition to the law
+    /// - `condition`: condition number of the scaled terms
+    pub(super) fn note_library(&mut self, library: &Library, offsets: &str, condition: f64) {
+        let terms = library.terms().join(", ");
+        let message = format!(
+            "the law is chosen from the terms [{terms}]{offsets}. Their condition number is {condition:.1}"
+        );
+        self.notes.push(SETTINGS.found(message).with("condition number", condition, ""));
     }
 
     pub(super) fn add(&mut self, finding: Finding) {

@@ -6,7 +6,8 @@ use super::super::methods::offset::Offset;
 use super::super::preparation::PreparationReport;
 use super::super::robot::Robot;
 use super::super::run::PreparedRun;
-use super::{Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionReport, Offsets, Setting};
+use super::settings::note_on_filter;
+use super::{Filtered, FilteredRun, FrictionData, FrictionIdentification, FrictionReport, Offsets};
 use std::ops::Range;
 
 /// Samples of one joint over all runs.
@@ -109,8 +110,7 @@ impl<'a> JointSamples<'a> {
         preparation: &PreparationReport,
     ) -> Result<FrictionReport> {
         let bandwidth = preparation.joints.first().map(|joint| joint.bandwidth);
-        let sample_rate = preparation.sample_rate;
-        let filter = bandwidth.map(|bandwidth| Setting::Filter { bandwidth, sample_rate });
+        let filter = bandwidth.map(|bandwidth| note_on_filter(bandwidth, preparation.sample_rate));
         let mut torques = self.torques.clone();
         for offset in &self.offsets {
             torques[offset.samples.clone()].iter_mut().for_each(|torque| *torque -= offset.value);

@@ -33,7 +33,7 @@ pub(crate) use super::methods::filtered::{Filtered, FilteredRun};
 pub use named::METHODS;
 pub use report::{Candidate, FrictionReport};
 pub use selection::FrictionMethod;
-pub(crate) use settings::Setting;
+pub(crate) use settings::{SETTINGS, note_on_direction};
 pub(crate) use shares::SharedFriction;
 pub use task::{FrictionData, FrictionIdentification, Offsets};
 

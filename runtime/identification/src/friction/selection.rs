@@ -8,7 +8,7 @@ use super::super::methods::moments::Moments;
 use super::super::methods::stribeck::StribeckRegression;
 use super::super::methods::subset::{Conditions, SubsetValidation, best_of_size, requirements};
 use super::super::methods::thresholding::Thresholding;
-use super::settings::Setting;
+use gelenk_findings::digits::plain;
 
 /// Method by which a friction law is identified.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,12 +44,13 @@ pub(super) struct Chosen {
     pub(super) solution: Solution,
     pub(super) validation: Option<CrossValidation>,
     pub(super) subsets: Option<SubsetValidation>,
-    pub(super) note: Setting,
+    /// Note on the method.
+    pub(super) note: String,
 }
 
 impl Chosen {
     /// The choice by a rule that needs no folds.
-    fn directly(selection: Selection, reduced: &Reduced, note: Setting) -> Result<Self> {
+    fn directly(selection: Selection, reduced: &Reduced, note: String) -> Result<Self> {
         let solution = selection.fit(reduced)?;
         Ok(Self { selection, solution, validation: None, subsets: None, note })
     }
@@ -105,7 +106,10 @@ pub(super) fn choose(
 ) -> Result<Chosen> {
     match method {
         FrictionMethod::Thresholding(settings) => {
-            let note = Setting::Threshold(*settings);
+            let Thresholding { threshold, ridge, .. } = settings;
+            let note = format!(
+                "sequentially thresholded least squares (threshold {threshold}, ridge {ridge}) chose the terms"
+            );
             let chosen = Chosen::directly(Selection::Thresholding(*settings), reduced, note)?;
             let sets = by_threshold(settings, reduced);
             let subsets = folds().ok().and_then(|folds| along(sets, &folds, &conditions, &chosen.solution));
@@ -114,7 +118,7 @@ pub(super) fn choose(
         FrictionMethod::Lasso(lasso) => by_lasso(reduced, lasso, &folds()?, &conditions),
         FrictionMethod::BestSubset | FrictionMethod::Ladder(_) => by_subsets(reduced, &folds()?, conditions),
         FrictionMethod::LeastSquares | FrictionMethod::Stribeck(_) => {
-            Chosen::directly(Selection::All, reduced, Setting::LeastSquares)
+            Chosen::directly(Selection::All, reduced, "least squares fitted all terms".to_owned())
         }
     }
 }
@@ -126,7 +130,10 @@ fn by_subsets(reduced: &Reduced, folds: &[Moments], conditions: Conditions) -> R
         selection: Selection::BestOfSize(best.active.len(), conditions),
         solution: reduced.fit(0, &best.active)?,
         validation: None,
-        note: Setting::BestSubset { folds: folds.len() },
+        note: format!(
+            "the best subset of terms was chosen by {}-fold cross-validation and the one-standard-error rule",
+            folds.len()
+        ),
         subsets: Some(subsets),
     })
 }
@@ -162,11 +169,13 @@ fn by_lasso(reduced: &Reduced, lasso: &Lasso, folds: &[Moments], conditions: &Co
     let validation = CrossValidation::new(lasso, folds, 0, &grid)?;
     let index = validation.one_standard_error;
     let lambda = grid[index];
-    let note = Setting::Lasso {
-        folds: folds.len(),
-        lambdas: [lambda, paper_lambda(lambda, reduced.moments().samples())],
-        standardize: lasso.standardize,
-    };
+    let [own, paper] = [lambda, paper_lambda(lambda, reduced.moments().samples())].map(|x| plain(x, 5));
+    let note = format!(
+        "LASSO chose the terms by cross-validation with {} contiguous parts, λ by one standard error: λ = {own} in 1/(2N)‖·‖² + \
+         λ‖·‖₁{}, {paper} in ‖·‖² + λ‖·‖₁. Values and errors are those of least squares on the chosen terms",
+        folds.len(),
+        if lasso.standardize { " (terms in units of their rms)" } else { "" }
+    );
     let solution = completed(refit(reduced, 0, &validation.path, index)?, reduced)?;
     let selection = Selection::Lasso(lasso.clone(), lambda);
     let sets = validation.path.coefficients.column_iter().map(|column| active_terms(&column.into_owned()));

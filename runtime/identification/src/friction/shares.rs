@@ -5,17 +5,14 @@ use super::super::error::Result;
 use super::super::methods::least_squares::Reduced;
 use super::super::methods::library::Library;
 use super::super::methods::moments::Moments;
-use super::super::numeric::statistics::largest;
-use super::super::result::{FrictionLaw, FrictionResult};
 use super::errors::Errors;
 use super::findings::Findings;
 use super::held_out::held_out;
+use super::judgement::LawFit;
 use super::report::FrictionReport;
 use super::selection::FrictionMethod;
-use super::settings::Setting;
 use super::task::{FrictionData, FrictionIdentification};
 use super::terms::{Candidates, probabilities};
-use nalgebra::DVector;
 
 /// Friction data of one joint without its samples.
 #[derive(Debug, Clone)]
@@ -42,7 +39,7 @@ impl FrictionIdentification {
         let reduced = Reduced::from_moments(Moments::sum(&data.shares)?)?;
         let library = Library::new(reduced.moments().names(), &["v"])?;
         let mut findings = Findings::new(&data.about);
-        findings.note_library(&library, true, reduced.condition());
+        findings.note_library(&library, " in addition to the offset of each run", reduced.condition());
         let shares = || Ok(data.shares.clone());
         let candidates = Candidates {
             library: &library,
@@ -51,7 +48,9 @@ impl FrictionIdentification {
             velocity_range: data.velocity_range,
         };
         if matches!(self.method, FrictionMethod::Ladder(_)) {
-            findings.note(&Setting::NoSamples);
+            findings.note(
+                "the Stribeck law was not tried, because a file of moments does not contain the single samples",
+            );
         }
         let fitted = candidates.fitted(self, &mut findings)?;
         let (coefficients, active) = (&fitted.solution.coefficients, &fitted.solution.active);
@@ -59,46 +58,20 @@ impl FrictionIdentification {
         let probable = probabilities(&reduced, &errors)?;
         let total: f64 = data.shares.iter().map(|share| share.energy(0)).sum();
         let unseen = held_out(shares(), total, fitted.way(), &mut findings);
-        let held_out = unseen.and_then(|unseen| unseen.r_squared(data.lost));
-        findings.judge(held_out, self.least_r_squared);
-        let law = fitted.law(&library, &errors, probable.as_ref());
-        let fastest = largest(&data.velocity_range);
-        findings.judge_unseen_speeds(&law, fastest)?;
-        let result = FrictionResult {
-            held_out,
+        let moments = reduced.moments();
+        let judged = LawFit {
+            law: fitted.law(&library, &errors, probable.as_ref()),
+            unseen,
+            residuals: Vec::new(),
+            samples: moments.samples(),
+            squares: [moments.residual(0, coefficients), moments.energy(0)],
+            lost: data.lost,
+            velocity_range: data.velocity_range,
+            covariance: errors.covariance,
             freedom: errors.freedom,
-            ..data.result(law, reduced.moments(), coefficients, findings)
+            stribeck: None,
         };
-        let report = FrictionReport { result, covariance: errors.covariance, ..FrictionReport::default() };
+        let report = findings.report(self, judged)?;
         Ok(fitted.complete(report, &candidates, probable))
-    }
-}
-
-impl SharedFriction<'_> {
-    fn result(
-        &self,
-        law: FrictionLaw,
-        moments: &Moments,
-        coefficients: &DVector<f64>,
-        findings: Findings,
-    ) -> FrictionResult {
-        let samples = moments.samples();
-        let rss = moments.residual(0, coefficients) + self.lost;
-        let total = moments.energy(0) + self.lost;
-        let [settings, findings] = findings.parts();
-        FrictionResult {
-            joint: self.about.joint.into(),
-            unit: self.about.unit.into(),
-            velocity_unit: self.about.velocity_unit.into(),
-            law,
-            samples,
-            velocity_range: self.velocity_range,
-            residual: (rss / samples.max(1) as f64).sqrt(),
-            r_squared: if total > 0.0 { 1.0 - rss / total } else { 1.0 },
-            data: self.about.data.into(),
-            settings,
-            findings,
-            ..FrictionResult::default()
-        }
     }
 }

@@ -1,8 +1,7 @@
 //! Stribeck laws by nonlinear regression, with the same acceptance tests as for laws of terms.
 
 use super::super::error::Result;
-use super::super::estimation::CommonTerms;
-use super::super::methods::library::Library;
+use super::super::methods::moments::Samples;
 use super::super::methods::stribeck::{NAMES, Observed, StribeckFit, StribeckRegression, slower};
 use super::super::numeric::statistics::simplest;
 use super::super::result::FrictionLaw;
@@ -14,11 +13,10 @@ use super::judgement::LawFit;
 use super::levels;
 use super::passivity::beyond;
 use super::report::FrictionReport;
-use super::settings::Setting;
 use super::task::{FrictionData, FrictionIdentification};
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, SMatrix};
 use std::ops::Range;
 
 /// Sees: a fit whose Coulomb friction, static friction or Stribeck speed has no physical meaning.
@@ -74,6 +72,7 @@ struct Attempt<'a> {
     regression: &'a StribeckRegression,
     samples: Observed<'a>,
     fit: StribeckFit,
+    errors: Errors,
     /// The finding that parameters of the fit have no physical meaning; `None` if all of them have a meaning.
     other_law: Option<Finding>,
     /// Findings because of which the curve is refused.
@@ -94,55 +93,35 @@ impl<'a> Attempt<'a> {
             runs,
             filtered: data.filtered,
         };
-        let fit = regression.fit_runs(&samples)?.with_correlated_errors(&samples);
+        let mut fit = regression.fit_runs(&samples)?;
+        let errors = errors(data, &samples, &fit)?;
+        fit.covariance = SMatrix::from_fn(|i, k| errors.covariance[(i, k)]);
+        fit.standard_errors = std::array::from_fn(|i| fit.standard_errors[i].map(|_| errors.standard[i]));
         let mut findings = Findings::new(data);
-        findings.note(&Setting::Stribeck { starts: regression.starts, passes: fit.iterations });
+        findings.note(format!(
+            "the Stribeck law was fitted by nonlinear least squares with equal weights of all samples ({} starts, {} passes)",
+            regression.starts, fit.iterations
+        ));
         if settings.passive {
             refuse_driving(&fit, &mut findings);
         }
         let other_law = other_law(&fit, data);
-        Ok(Self { regression, samples, fit, other_law, findings })
+        Ok(Self { regression, samples, fit, errors, other_law, findings })
     }
 
     fn judged(self, settings: &FrictionIdentification) -> Result<FrictionReport> {
         let unseen = self.held_out(settings)?;
-        let errors = self.errors()?;
-        let Self { fit, other_law, findings, .. } = self;
+        let Self { fit, errors, other_law, findings, .. } = self;
         let data = findings.data;
         let term = |i: usize| errors.term(i, NAMES[i], fit.parameters[i]);
         let law = FrictionLaw::Stribeck(Box::new(std::array::from_fn(term)));
         let torques = data.torques_of(&law)?;
+        let residuals = data.torques.iter().zip(&torques).map(|(t, l)| t - l).collect();
         let judged = LawFit {
-            law,
-            unseen: Some(unseen),
-            residuals: data.torques.iter().zip(&torques).map(|(t, l)| t - l).collect(),
-            covariance: errors.covariance,
-            freedom: fit.freedom as f64,
             stribeck: other_law.is_none().then(|| fit.words()),
+            ..LawFit::of_samples(data, law, Some(unseen), residuals, errors)
         };
         findings.report(settings, judged)
-    }
-
-    /// Errors of the parameters. They include errors of the estimate of all joints. They also include the
-    /// change if the samples near rests and reversals are left out.
-    fn errors(&self) -> Result<Errors> {
-        let Self { samples, fit, findings, .. } = self;
-        let data = findings.data;
-        let unknown = |error: Option<f64>| error.unwrap_or(f64::INFINITY);
-        let own = Errors {
-            covariance: DMatrix::from_fn(5, 5, |i, j| fit.covariance[(i, j)]),
-            standard: fit.standard_errors.map(unknown).to_vec(),
-            reach: vec![None; 5],
-            resolution: fit.resolutions.map(unknown).to_vec(),
-            freedom: fit.freedom as f64,
-            effective_samples: data.velocities.len() as f64,
-        };
-        let at = fit.sensitivities(samples);
-        let map =
-            |common: &CommonTerms| Ok(fit.map(&at, &data.columns(&Library::new(&common.bases, &["v"])?)?));
-        let common = data.common.map(|common| map(common).map(|map| (common, map)));
-        let changes = data.filtered.map(|filtered| fit.changes(&at, &filtered.near()));
-        own.with_biases(common.transpose()?, changes.unwrap_or_else(|| DVector::zeros(5)))
     }
 
     /// Errors on held-out data: the fit is repeated without each fold in turn, and it starts at the law of all samples. A fold
@@ -165,6 +144,22 @@ impl<'a> Attempt<'a> {
         };
         Ok(HeldOutErrors { folds: folds.iter().map(error).collect::<Result<_>>()?, total })
     }
+}
+
+/// Errors of the parameters to first order: those of a law whose terms are the derivatives of the torque with respect to the
+/// parameters. Parameters that the data do not determine are held, and their errors are infinite.
+fn errors(data: &FrictionData, samples: &Observed, fit: &StribeckFit) -> Result<Errors> {
+    let columns = samples.columns(&fit.parameters);
+    let [derivatives @ .., residuals] = &columns;
+    let columns = derivatives.iter().map(Vec::as_slice).collect();
+    let terms = Samples::from_columns(&NAMES.map(str::to_owned), columns, vec![data.torques])?;
+    let lost: Vec<usize> = (0..NAMES.len()).filter(|i| fit.standard_errors[*i].is_none()).collect();
+    let held = DMatrix::identity(NAMES.len(), NAMES.len()).select_rows(&lost);
+    let mut errors = Errors::of_samples(data, &terms, &held, residuals)?;
+    for i in lost {
+        (errors.standard[i], errors.resolution[i], errors.reach[i]) = (f64::INFINITY, f64::INFINITY, None);
+    }
+    Ok(errors)
 }
 
 /// Whether static friction is not less than Coulomb friction, and the law has no peak at speeds too low to be resolved by the

@@ -8,7 +8,7 @@ use super::super::methods::thresholding::Thresholding;
 use super::super::robot::JointLimits;
 use super::levels;
 use super::selection::FrictionMethod;
-use super::settings::Setting;
+use gelenk_findings::Finding;
 use std::ops::Range;
 
 /// Samples of the velocity and the friction torque of one joint, with their units and origin.
@@ -43,7 +43,7 @@ pub struct FrictionData<'a> {
     /// Name and hash of the log, as text for the report.
     pub data: &'a str,
     /// Settings with which the samples were made, for example the filter.
-    pub(crate) settings: &'a [Setting],
+    pub(crate) settings: &'a [Finding],
 }
 
 impl<'a> FrictionData<'a> {

@@ -15,7 +15,6 @@ use super::judgement::LawFit;
 use super::passivity::{doubt, passive, restrict};
 use super::report::FrictionReport;
 use super::selection::{Chosen, Selection, choose};
-use super::settings::Setting;
 use super::task::{FrictionData, FrictionIdentification};
 use nalgebra::DMatrix;
 
@@ -34,22 +33,22 @@ pub(super) fn identify(settings: &FrictionIdentification, data: &FrictionData) -
     };
     let fitted = candidates.fitted(settings, &mut findings)?;
     let residuals = design.residuals(&fitted.solution.coefficients);
-    let errors = Errors::of_samples(&design, &fitted.solution.active, &fitted.binding, &residuals)?;
+    let active = &fitted.solution.active;
+    let binding = fitted.binding.select_columns(active);
+    let errors = Errors::of_samples(data, &design.samples_of(active)?, &binding, &residuals)?;
     let probable = probabilities(&reduced, &errors)?;
     let law = fitted.law(&design.library, &errors, probable.as_ref());
     let total = variation(data, &folds(data, settings.folds).concat());
     let unseen = held_out((candidates.folds)(), total, fitted.way(), &mut findings);
-    let (freedom, covariance) = (errors.freedom, errors.covariance);
-    let judged = LawFit { law, unseen, residuals, covariance, freedom, stribeck: None };
-    let report = findings.report(settings, judged)?;
+    let report = findings.report(settings, LawFit::of_samples(data, law, unseen, residuals, errors))?;
     Ok(fitted.complete(report, &candidates, probable))
 }
 
 fn describe_library(design: &Design, reduced: &Reduced, findings: &mut Findings) {
-    findings.note_library(&design.library, false, reduced.condition());
-    design.notes.iter().for_each(|note| findings.note(note));
+    findings.note_library(&design.library, "", reduced.condition());
+    findings.notes.extend_from_slice(&design.notes);
     if reduced.is_orthogonal() {
-        findings.note(&Setting::Orthogonal);
+        findings.note("solved by orthogonal factorization");
     }
 }
 

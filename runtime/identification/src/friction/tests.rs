@@ -6,6 +6,7 @@ use super::super::methods::stribeck::StribeckRegression;
 use super::super::methods::thresholding::Thresholding;
 use super::super::numeric::random::SplitMix64;
 use super::super::result::FrictionLaw;
+use super::settings::note_on_filter;
 use super::*;
 use crate::methods::confidence::quantile;
 use gelenk_findings::{Severity, texts};
@@ -28,7 +29,7 @@ fn identify(settings: &FrictionIdentification, v: &[f64], torque: &[f64]) -> Res
         velocities: v,
         torques: torque,
         data: "here (sha256 0)",
-        settings: &[Setting::Filter { bandwidth: 5.0, sample_rate: 50.0 }],
+        settings: &[note_on_filter(5.0, 50.0)],
         ..FrictionData::default()
     })
 }

@@ -225,7 +225,7 @@ fn read_bytes(
         labels,
         columns: brief,
         unused,
-        hashes: vec![(source.into(), sha256(bytes))],
+        hashes: vec![(source.into(), hexadecimal(&Sha256::digest(bytes)))],
     })
 }
 
@@ -237,10 +237,6 @@ fn text_of<'a>(bytes: &'a [u8], source: &str) -> Result<Cow<'a, [u8]>> {
         None => Ok(content),
         Some(text) => text.map(Cow::Owned).map_err(fault),
     }
-}
-
-fn sha256(bytes: &[u8]) -> String {
-    hexadecimal(&Sha256::digest(bytes))
 }
 
 /// Returns the bytes as hexadecimal digits.

@@ -4,7 +4,6 @@ use super::super::error::{Result, at};
 use super::number::{Decimals, number};
 use super::units;
 use std::borrow::Cow;
-use std::io::Read;
 
 /// Text that was recognized as a table. [`Self::rows`] reads its rows.
 #[derive(Debug)]
@@ -47,31 +46,6 @@ impl Lines<'_> {
         }
         self.line
     }
-}
-
-/// Calls `each` for every row that is not empty, with the index of the byte after the row before, and with the fields.
-///
-/// # Errors
-/// The errors of `each`, and [`IdentificationError::File`](crate::error::IdentificationError::File) for bytes that are not
-/// rows
-fn records(
-    reader: impl Read,
-    separator: u8,
-    source: &str,
-    mut each: impl FnMut(u64, &csv::ByteRecord) -> Result<()>,
-) -> Result<()> {
-    let mut csv = csv::ReaderBuilder::new()
-        .flexible(true)
-        .has_headers(false)
-        .delimiter(separator)
-        .buffer_capacity(1 << 16)
-        .from_reader(reader);
-    let mut record = csv::ByteRecord::new();
-    let fault = |e: csv::Error| at(source).fault(e.to_string());
-    while csv.read_byte_record(&mut record).map_err(fault)? {
-        each(record.position().map_or(0, csv::Position::byte), &record)?;
-    }
-    Ok(())
 }
 
 /// Largest number of lines of a row. A row with more lines has a quotation mark that is not closed.
@@ -142,18 +116,25 @@ impl<'a> Sheet<'a> {
         mut each: impl FnMut(usize, &csv::ByteRecord) -> Result<()>,
     ) -> Result<()> {
         let mut lines = Lines { text: &self.body, at: 0, line: self.line };
-        records(&*self.body, self.separator, source, |byte, record| {
-            let line = lines.line_from(byte);
+        let mut csv = csv::ReaderBuilder::new()
+            .flexible(true)
+            .has_headers(false)
+            .delimiter(self.separator)
+            .buffer_capacity(1 << 16)
+            .from_reader(&*self.body);
+        let mut record = csv::ByteRecord::new();
+        while csv.read_byte_record(&mut record).map_err(|error| at(source).fault(error.to_string()))? {
+            let line = lines.line_from(record.position().map_or(0, csv::Position::byte));
             if record.as_slice().iter().filter(|b| **b == b'\n').count() > MOST_LINES_OF_A_ROW {
                 return Err(at(source)
                     .fault(format!("row {line} has a quotation mark that is not closed: remove it")));
             }
             let blank = record.iter().all(|field| field.trim_ascii().is_empty());
-            if blank || record.get(0).is_some_and(|field| comment(field).is_some()) {
-                return Ok(());
+            if !blank && record.get(0).is_none_or(|field| comment(field).is_none()) {
+                each(line, &record)?;
             }
-            each(line, record)
-        })
+        }
+        Ok(())
     }
 
     /// Fails if the header has fewer names than the rows have fields, because columns would have wrong names.

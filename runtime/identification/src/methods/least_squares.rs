@@ -36,9 +36,6 @@ pub struct Solution {
     /// Standard error of each chosen coefficient, in the order of [`Self::active`], for independent errors of equal
     /// variance.
     pub standard_errors: Vec<f64>,
-    /// Share `1 − RSS / Σ y²` of the target's sum of squares that the terms explain. RSS is the residual sum of squares. The
-    /// mean of the target y is not subtracted, because a model need not have a constant.
-    pub r_squared: f64,
 }
 
 impl Reduced {
@@ -130,10 +127,8 @@ impl Reduced {
         let residual = self.residual(target, &coefficients);
         let freedom = self.moments.samples().saturating_sub(active.len());
         let variance = if freedom == 0 { 0.0 } else { residual / freedom as f64 };
-        let energy = self.moments.energy(target);
         Ok(Solution {
             standard_errors: self.inverse_diagonal(active).iter().map(|d| (d * variance).sqrt()).collect(),
-            r_squared: if energy > 0.0 { 1.0 - residual / energy } else { 1.0 },
             coefficients,
             active: active.to_vec(),
             residual,
@@ -223,7 +218,7 @@ fn solve_triangular(
 /// Returns the factor R of the Householder factorization of `[Θ | Y]`, with the columns Θ of the terms and
 /// the targets Y. R is a q × q matrix for q columns, and is computed block by block.
 pub(crate) fn triangular_factor(samples: &Samples) -> DMatrix<f64> {
-    let q = samples.names().len() + samples.targets();
+    let q = samples.width();
     let mut r = DMatrix::<f64>::zeros(q, q);
     samples.visit(0..samples.len(), &mut |columns| {
         let n = columns[0].len();

@@ -2,8 +2,9 @@
 //! signals (channels), such as a velocity.
 
 use super::super::error::{IdentificationError, Result, require_length};
-use super::expression::{Kind, Program, Workspace, fault};
+use super::expression::{fault, parsed, values};
 use gelenk_findings::digits::two_digits;
+use gelenk_formula::{Expression, Kind};
 use nalgebra::DMatrix;
 
 /// Library of candidate terms `θᵢ`. Each term is an expression over named channels, for example a velocity `v`, a position
@@ -12,11 +13,11 @@ use nalgebra::DMatrix;
 pub struct Library {
     terms: Vec<String>,
     channels: Vec<String>,
-    program: Program,
+    expressions: Vec<Expression>,
 }
 
 impl Library {
-    /// Compiles the expressions `terms`, in which the names of `channels` refer to signals.
+    /// Parses the expressions `terms`, in which the names of `channels` refer to signals.
     ///
     /// # Errors
     /// - [`IdentificationError::Empty`]: there are no terms
@@ -28,16 +29,16 @@ impl Library {
         if terms.is_empty() {
             return Err(IdentificationError::Empty { what: "the list of friction terms".into() });
         }
-        let program = Program::new(&terms, &channels)?;
+        let expressions = terms.iter().map(|term| parsed(term, &channels)).collect::<Result<Vec<_>>>()?;
         for (i, term) in terms.iter().enumerate() {
-            if program.kind(i) != Some(Kind::Number) {
+            if expressions[i].kind() != Kind::Number {
                 return Err(fault(term, "a library term must be a number, not a truth value"));
             }
             if terms[..i].contains(term) {
                 return Err(fault(term, "this term occurs twice: remove one of the two"));
             }
         }
-        Ok(Self { terms, channels, program })
+        Ok(Self { terms, channels, expressions })
     }
 
     /// Creates a library of common friction terms: `[1, v, sign v, tanh 5v, tanh 10v, tanh 20v, tanh 100v]`, with
@@ -102,13 +103,18 @@ impl Library {
         self.terms.len()
     }
 
-    pub(crate) fn program(&self) -> &Program {
-        &self.program
-    }
-
-    /// Returns buffers for the evaluation of the terms.
-    pub(crate) fn workspace(&self) -> Workspace {
-        self.program.workspace()
+    /// Returns the values of each term at the samples.
+    ///
+    /// - `channels`: samples of each channel, in the order of the library's channels
+    ///
+    /// # Errors
+    /// [`IdentificationError::Shape`] if the number of channels is wrong or their lengths differ.
+    pub(crate) fn columns(&self, channels: &[&[f64]]) -> Result<Vec<Vec<f64>>> {
+        require_length("channels of the library", self.channels.len(), channels.len())?;
+        for channel in channels {
+            require_length("samples of a channel", channels[0].len(), channel.len())?;
+        }
+        self.expressions.iter().map(|term| values(term, &self.channels, channels)).collect()
     }
 
     /// Returns the matrix Θ of the terms' values, with one row for each sample and one column for each term.
@@ -118,8 +124,7 @@ impl Library {
     /// # Errors
     /// [`IdentificationError::Shape`] if the number of channels is wrong or their lengths differ.
     pub fn matrix(&self, channels: &[&[f64]]) -> Result<DMatrix<f64>> {
-        require_length("channels of the library", self.channels.len(), channels.len())?;
-        let columns = self.program.evaluate_columns(channels)?;
+        let columns = self.columns(channels)?;
         let m = columns[0].len();
         Ok(DMatrix::from_iterator(m, columns.len(), columns.into_iter().flatten()))
     }

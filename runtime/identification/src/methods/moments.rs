@@ -8,8 +8,10 @@
 use super::super::error::{IdentificationError, Result, require_finite, require_length, require_samples};
 use super::super::numeric::kernel::{BLOCK, add_products};
 use super::super::numeric::spectrum::symmetric_eigenvalues;
+use super::super::numeric::statistics::largest;
 use super::library::Library;
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Returns for each fold the sum of all other folds, and the fold itself.
@@ -20,20 +22,12 @@ pub(crate) fn splits(folds: &[Moments]) -> impl Iterator<Item = Result<(Moments,
     })
 }
 
-/// Samples `[Θ | Y]` of a regression: Θ has a column for each term of a library, and Y has a column for each target. The
-/// samples are read block by block.
+/// Samples `[Θ | Y]` of a regression: Θ has a column for each term of a library, and Y has a column for each target.
 #[derive(Debug, Clone)]
 pub struct Samples<'a> {
     names: Vec<String>,
-    regressors: Regressors<'a>,
-    targets: Vec<&'a [f64]>,
-    samples: usize,
-}
-
-#[derive(Debug, Clone)]
-enum Regressors<'a> {
-    Columns(Vec<&'a [f64]>),
-    Library(&'a Library, Vec<&'a [f64]>),
+    /// Columns of the terms, then columns of the targets.
+    columns: Vec<Cow<'a, [f64]>>,
 }
 
 impl<'a> Samples<'a> {
@@ -47,7 +41,7 @@ impl<'a> Samples<'a> {
     /// [`IdentificationError::Empty`] if there are no samples, [`IdentificationError::Shape`] if lengths differ.
     pub fn from_columns(names: &[String], columns: Vec<&'a [f64]>, targets: Vec<&'a [f64]>) -> Result<Self> {
         require_length("names of the columns", columns.len(), names.len())?;
-        Self::new(names.to_vec(), Regressors::Columns(columns), targets)
+        Self::new(names, columns.into_iter().map(Cow::Borrowed), targets)
     }
 
     /// Creates samples from a matrix Θ with one row for each sample and one column for each term.
@@ -61,8 +55,7 @@ impl<'a> Samples<'a> {
         Self::from_columns(names, columns, targets)
     }
 
-    /// Creates samples from the channels (signals) of a library. The terms of the library are evaluated when the sums are
-    /// computed, so the matrix Θ of the terms is not stored.
+    /// Creates samples from the channels (signals) of a library.
     ///
     /// - `channels`: one column for each channel of `library`, in its order
     /// - `targets`: columns of the targets
@@ -70,89 +63,61 @@ impl<'a> Samples<'a> {
     /// # Errors
     /// [`IdentificationError::Empty`] if there are no samples, [`IdentificationError::Shape`] if the number of channels is
     /// wrong or lengths differ.
-    pub fn from_library(
-        library: &'a Library,
-        channels: Vec<&'a [f64]>,
+    pub fn from_library(library: &Library, channels: Vec<&[f64]>, targets: Vec<&'a [f64]>) -> Result<Self> {
+        Self::new(library.terms(), library.columns(&channels)?.into_iter().map(Cow::Owned), targets)
+    }
+
+    fn new(
+        names: &[String],
+        terms: impl Iterator<Item = Cow<'a, [f64]>>,
         targets: Vec<&'a [f64]>,
     ) -> Result<Self> {
-        require_length("channels of the library", library.channels().len(), channels.len())?;
-        Self::new(library.terms().to_vec(), Regressors::Library(library, channels), targets)
-    }
-
-    fn new(names: Vec<String>, regressors: Regressors<'a>, targets: Vec<&'a [f64]>) -> Result<Self> {
-        let samples = targets.first().map_or(0, |t| t.len());
+        let samples = targets.first().map_or(0, |target| target.len());
         require_samples("the regression", 1, samples)?;
-        let (Regressors::Columns(columns) | Regressors::Library(_, columns)) = &regressors;
-        for column in columns.iter().chain(&targets) {
+        let columns: Vec<Cow<[f64]>> = terms.chain(targets.into_iter().map(Cow::Borrowed)).collect();
+        for column in &columns {
             require_length("samples of a column", samples, column.len())?;
         }
-        Ok(Self { names, regressors, targets, samples })
-    }
-
-    /// Returns the texts of the terms.
-    pub(crate) fn names(&self) -> &[String] {
-        &self.names
+        Ok(Self { names: names.to_vec(), columns })
     }
 
     /// Number of samples m.
     pub(crate) fn len(&self) -> usize {
-        self.samples
+        self.columns.last().map_or(0, |target| target.len())
     }
 
-    /// Number of target columns.
-    pub(crate) fn targets(&self) -> usize {
-        self.targets.len()
+    /// Columns of the terms.
+    pub(crate) fn terms(&self) -> &[Cow<'a, [f64]>] {
+        &self.columns[..self.names.len()]
+    }
+
+    /// Number of columns of terms and targets.
+    pub(crate) fn width(&self) -> usize {
+        self.columns.len()
     }
 
     /// Calls `visit` for blocks of at most 256 samples within `rows`. The arguments are the columns of the
     /// terms, followed by the targets.
     pub(crate) fn visit(&self, rows: Range<usize>, visit: &mut dyn FnMut(&[&[f64]])) {
-        let mut workspace = match &self.regressors {
-            Regressors::Library(library, _) => Some(library.workspace()),
-            Regressors::Columns(_) => None,
-        };
-        let mut start = rows.start;
-        while start < rows.end {
+        for start in rows.clone().step_by(BLOCK) {
             let block = start..rows.end.min(start + BLOCK);
-            let n = block.len();
-            let mut columns: Vec<&[f64]> = Vec::with_capacity(self.names.len() + self.targets.len());
-            match (&self.regressors, &mut workspace) {
-                (Regressors::Columns(all), _) => columns.extend(all.iter().map(|c| &c[block.clone()])),
-                (Regressors::Library(library, channels), Some(workspace)) => {
-                    let slices: Vec<&[f64]> = channels.iter().map(|c| &c[block.clone()]).collect();
-                    library.program().block(&slices, workspace);
-                    columns.extend((0..library.len()).map(|i| library.program().result(i, n, workspace)));
-                }
-                (Regressors::Library(..), None) => {}
-            }
-            columns.extend(self.targets.iter().map(|t| &t[block.clone()]));
-            visit(&columns);
-            start = block.end;
+            visit(&self.columns.iter().map(|column| &column[block.clone()]).collect::<Vec<_>>());
         }
     }
 
     /// Returns the error about the first value that is not finite. If all values are finite, the error is an overflow.
     fn explain_not_finite(&self) -> IdentificationError {
-        let mut values = vec![Vec::with_capacity(self.samples); self.names.len() + self.targets.len()];
-        self.visit(0..self.samples, &mut |columns| {
-            for (all, column) in values.iter_mut().zip(columns) {
-                all.extend_from_slice(column);
-            }
-        });
         let name = |i: usize| match self.names.get(i) {
             Some(term) => format!("the term {term}"),
             None => format!("target {}", i - self.names.len()),
         };
-        for (i, column) in values.iter().enumerate() {
-            if let Err(error) = require_finite(&name(i), column) {
-                return error;
-            }
-        }
-        let largest = |c: &Vec<f64>| c.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
-        let i = (0..values.len())
-            .max_by(|&i, &j| largest(&values[i]).total_cmp(&largest(&values[j])))
-            .unwrap_or(0);
-        IdentificationError::Overflow { what: name(i), largest: largest(&values[i]) }
+        let largest = |i: &usize| largest(&*self.columns[*i]);
+        let wrong = self.columns.iter().enumerate().find_map(|(i, x)| require_finite(&name(i), x).err());
+        wrong.unwrap_or_else(|| {
+            let all = 0..self.columns.len();
+            let i = all.max_by(|i, j| largest(i).total_cmp(&largest(j))).unwrap_or(0);
+            IdentificationError::Overflow { what: name(i), largest: largest(&i) }
+        })
     }
 }
 
@@ -218,7 +183,7 @@ impl Moments {
     }
 
     fn over(samples: &Samples, rows: Range<usize>) -> Self {
-        let q = samples.names.len() + samples.targets.len();
+        let q = samples.width();
         let mut sums = vec![0.0; q * q];
         let count = rows.len();
         samples.visit(rows, &mut |columns| add_products(columns, &mut sums));

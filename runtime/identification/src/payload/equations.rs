@@ -1,67 +1,35 @@
-//! Equations of the logs without and with the load, reduced to sums of products for each joint and each block of time.
+//! Equations of the logs without and with the load, as sums of products for each joint and each block of time.
 
 use super::levels;
 use super::settings::PayloadSettings;
-use crate::error::{IdentificationError, Result, require_length, require_samples};
-use crate::estimation::{distance, inverse};
+use crate::error::{Result, require_length, require_samples};
+use crate::estimation::{BlockSums, FRICTION, Piece, distance, inverse, sums_of_blocks, with_ridge};
 use crate::inertial::PER_BODY;
-use crate::numeric::statistics::largest;
 use crate::pose::rows_of;
 use crate::robot::Robot;
 use crate::run::{Effort, PreparedRun};
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
-
-/// Widths of smoothed Coulomb friction, as shares of the joint's largest speed. Terms of these widths approximate any
-/// friction curve with a steep start.
-const WIDTHS: [f64; 3] = [0.005, 0.03, 0.15];
-
-/// Number of friction columns of a joint: constant, viscous, and the smoothed signs.
-const TERMS: usize = 2 + WIDTHS.len();
+use nalgebra::{DMatrix, DVector};
 
 /// Smallest assumed standard deviation of a residual, as a share of the effort. It is needed for simulated logs without noise.
 const QUIETEST: f64 = 1e-9;
 
-/// Change of a held parameter that counts as the distance one [kg, kg m, kg m²].
-const HELD: f64 = 1e-9;
-
 /// Number of reweightings of the joints by their residuals. Three are usually enough.
 const REWEIGHTINGS: usize = 5;
 
-/// Sums of products of the columns `[δ | friction | load | target]`, with the error δ of the description.
+/// Sums of products of the columns `[load | δ | friction | target]`, with the error δ of the description.
 pub(super) struct Equations {
-    /// Number of columns of the description's error and of friction.
-    nuisance: usize,
-    joints: usize,
     /// Sums of each joint, for each block of time. The blocks with the load, from `loaded_from` on, are the last ones.
-    blocks: Vec<Vec<Sums>>,
+    blocks: Vec<Vec<BlockSums>>,
     loaded_from: usize,
-    /// Prior that holds the error of the description near zero and keeps friction finite.
+    /// Sums of each joint over all blocks.
+    all: Vec<BlockSums>,
+    /// Prior that holds the error of the description near zero: the metric of bodies, and relative changes of rotor inertias.
+    /// Load and friction are free.
     prior: DMatrix<f64>,
     weight: f64,
-}
-
-/// Sums of products of a joint's rows.
-struct Sums {
-    gram: DMatrix<f64>,
-    rows: usize,
-}
-
-impl Sums {
-    fn add(&mut self, other: &Self) {
-        self.gram += &other.gram;
-        self.rows += other.rows;
-    }
-}
-
-/// The equations of the load after the error of the description and friction are eliminated.
-pub(super) struct Reduced {
-    pub hessian: DMatrix<f64>,
-    pub linear: DVector<f64>,
-    factor: Cholesky<f64, Dyn>,
-    /// Products of the columns of the description's error and of friction with the columns of the load.
-    coupling: DMatrix<f64>,
-    /// Products of the columns of the description's error and of friction with the target.
-    right: DVector<f64>,
+    /// Weights 1/σ² of the joints; zero for a joint at rest. σ is the standard deviation of the residuals of the weighted fit,
+    /// which is found by iteration.
+    pub(super) weights: Vec<f64>,
 }
 
 impl Equations {
@@ -77,29 +45,76 @@ impl Equations {
         {
             require_samples(what, 1, runs.len())?;
         }
-        let columns = Columns::new(robot, without.iter().chain(with), body)?;
-        let count = |runs: &[PreparedRun]| runs.iter().map(|run| run.times.len()).sum::<usize>();
-        let samples = count(without) + count(with);
-        require_samples(
-            "the estimate of a payload from both logs",
-            levels::BLOCKS.get() * PER_BODY,
-            samples,
-        )?;
-        let length = samples.div_ceil(levels::BLOCKS.get());
-        let mut blocks = Vec::new();
-        columns.add_blocks(without, false, length, &mut blocks);
-        let loaded_from = blocks.len();
-        columns.add_blocks(with, true, length, &mut blocks);
-        let mut prior = DMatrix::zeros(columns.nuisance, columns.nuisance);
-        columns.hold(settings.weight, &mut prior)?;
-        Ok(Self {
-            nuisance: columns.nuisance,
-            joints: columns.joints,
-            blocks,
-            loaded_from,
-            prior,
-            weight: settings.weight,
-        })
+        let runs = [without, with].concat();
+        check(robot, &runs)?;
+        let samples = runs.iter().map(|run| run.times.len()).sum::<usize>();
+        let enough = levels::BLOCKS.get() * PER_BODY;
+        require_samples("the estimate of a payload from both logs", enough, samples)?;
+        let pieces = pieces(&runs, without.len(), samples.div_ceil(levels::BLOCKS.get()));
+        let loaded_from =
+            pieces.iter().find(|piece| piece.run >= without.len()).map_or(0, |piece| piece.fold);
+        let (joints, described) = (robot.joint_names().len(), robot.parameters());
+        let (parameters, bodies) = (described.len(), PER_BODY * robot.bodies());
+        require_length("inertial parameters of the bodies", bodies, parameters.min(bodies))?;
+        let (metric, held) = distance(&described, robot.bodies());
+        let (friction, target) = (PER_BODY + parameters, PER_BODY + parameters + FRICTION * joints);
+        let exact = rows_of(&robot.quaternion_joints(), joints);
+        let map = |joint: usize, is_loaded: bool| {
+            let mut map = DMatrix::zeros(parameters + FRICTION + 2, target + 1);
+            let load = (0..PER_BODY).filter(|_| is_loaded);
+            load.for_each(|k| map[(PER_BODY * body + k, k)] = 1.0);
+            // Bodies without mass and rotors without inertia stay the same.
+            let free = (0..parameters).filter(|i| !held[*i]);
+            free.for_each(|i| map[(i, PER_BODY + i)] = 1.0);
+            let own = (0..FRICTION).filter(|_| !exact[joint]);
+            own.for_each(|term| map[(parameters + term, friction + FRICTION * joint + term)] = 1.0);
+            map[(parameters + FRICTION, target)] = -1.0;
+            map[(parameters + FRICTION + 1, target)] = 1.0;
+            map
+        };
+        let maps = [false, true].map(|is_loaded| (0..joints).map(|j| map(j, is_loaded)).collect::<Vec<_>>());
+        let of_block = |(block, mut sums): (usize, Vec<BlockSums>)| {
+            let maps = &maps[usize::from(block >= loaded_from)];
+            let mapped = |(sums, map): (&mut BlockSums, &DMatrix<f64>)| {
+                sums.products = map.tr_mul(&(&sums.products * map));
+            };
+            sums.iter_mut().zip(maps).for_each(mapped);
+            sums
+        };
+        let blocks = sums_of_blocks(robot, &runs, &pieces, levels::STICKING.get())?;
+        let blocks: Vec<Vec<BlockSums>> = blocks.into_iter().enumerate().map(of_block).collect();
+        let all = |joint: usize| BlockSums {
+            products: blocks.iter().map(|block| &block[joint].products).sum(),
+            samples: blocks.iter().map(|block| block[joint].samples).sum(),
+        };
+        // The objective is half of the sum of squares, so the distance has the factor two.
+        let metric = metric * (2.0 * settings.weight);
+        let mut prior = DMatrix::zeros(target + 1, target + 1);
+        prior.view_mut((PER_BODY, PER_BODY), (parameters, parameters)).copy_from(&metric);
+        let all = (0..joints).map(all).collect();
+        Self { blocks, loaded_from, all, prior, weight: settings.weight, weights: Vec::new() }.weighted()
+    }
+
+    fn weighted(mut self) -> Result<Self> {
+        let samples: f64 = self.all.iter().map(|sums| sums.samples).sum();
+        require_samples("the estimate of a payload from moving joints", 1, samples as usize)?;
+        let last = self.prior.nrows() - 1;
+        let weight = |sums: &BlockSums, values: &DVector<f64>| {
+            let floor = QUIETEST * QUIETEST * sums.products[(last, last)];
+            match values.dot(&(&sums.products * values)).max(floor) {
+                _ if sums.samples == 0.0 => 0.0,
+                square if square > 0.0 => sums.samples / square,
+                _ => 1.0,
+            }
+        };
+        let mut values = DVector::zeros(last).push(-1.0);
+        for _ in 0..REWEIGHTINGS {
+            self.weights = self.all.iter().map(|sums| weight(sums, &values)).collect();
+            let (hessian, linear) = self.normal();
+            values = (inverse(&hessian)? * linear).push(-1.0);
+        }
+        self.weights = self.all.iter().map(|sums| weight(sums, &values)).collect();
+        Ok(self)
     }
 
     /// Number of blocks of time.
@@ -107,279 +122,86 @@ impl Equations {
         self.blocks.len()
     }
 
-    /// Sum over all blocks of one joint.
-    fn joint(&self, joint: usize) -> Sums {
-        let size = self.nuisance + PER_BODY + 1;
-        let mut total = Sums { gram: DMatrix::zeros(size, size), rows: 0 };
-        self.blocks.iter().for_each(|block| total.add(&block[joint]));
-        total
-    }
-
-    /// Weights 1/σ² of the joints; zero for a joint at rest. σ is the standard deviation of the residuals of the weighted fit,
-    /// which is found by iteration.
-    pub(super) fn weights(&self) -> Result<Vec<f64>> {
-        let all: Vec<Sums> = (0..self.joints).map(|j| self.joint(j)).collect();
-        require_samples("the estimate of a payload from moving joints", 1, all.iter().map(|s| s.rows).sum())?;
-        let last = self.nuisance + PER_BODY;
-        let weight = |square: f64, sums: &Sums| {
-            let floor = QUIETEST * QUIETEST * sums.gram[(last, last)];
-            match square.max(floor) {
-                _ if sums.rows == 0 => 0.0,
-                square if square > 0.0 => sums.rows as f64 / square,
-                _ => 1.0,
-            }
-        };
-        let mut weights: Vec<f64> = all.iter().map(|s| weight(s.gram[(last, last)], s)).collect();
-        for _ in 0..REWEIGHTINGS {
-            let reduced = self.reduced(&weights)?;
-            let mut definite = reduced.hessian.clone();
-            stiffen(&mut definite, 0..PER_BODY);
-            let load = definite.cholesky().ok_or_else(singular)?.solve(&reduced.linear);
-            let x = self.homogeneous(&reduced, &load);
-            weights = all.iter().map(|s| weight(x.dot(&(&s.gram * &x)), s)).collect();
-        }
-        Ok(weights)
-    }
-
-    /// The vector `(δ, friction, load, −1)` with the error δ of the description. A Gram matrix of the columns
-    /// times this vector gives the products of the columns with the prediction minus the target.
-    fn homogeneous(&self, reduced: &Reduced, load: &DVector<f64>) -> DVector<f64> {
-        let nuisance = reduced.factor.solve(&(&reduced.right - &reduced.coupling * load));
-        let mut x = DVector::zeros(self.nuisance + PER_BODY + 1);
-        x.rows_mut(0, self.nuisance).copy_from(&nuisance);
-        x.rows_mut(self.nuisance, PER_BODY).copy_from(load);
-        x[self.nuisance + PER_BODY] = -1.0;
-        x
-    }
-
-    /// Eliminates the unknown errors of the description and the unknown friction from the equations.
-    pub(super) fn reduced(&self, weights: &[f64]) -> Result<Reduced> {
-        let size = self.nuisance + PER_BODY + 1;
-        let mut total = DMatrix::zeros(size, size);
-        for (joint, weight) in weights.iter().enumerate() {
-            total += self.joint(joint).gram * *weight;
-        }
-        let n = self.nuisance;
-        let mut own = total.view((0, 0), (n, n)) + &self.prior;
-        stiffen(&mut own, 0..n);
-        let coupling = total.view((0, n), (n, PER_BODY)).into_owned();
-        let right = total.view((0, n + PER_BODY), (n, 1)).column(0).into_owned();
-        let factor = own.cholesky().ok_or_else(singular)?;
-        let hessian = total.view((n, n), (PER_BODY, PER_BODY)) - coupling.tr_mul(&factor.solve(&coupling));
-        let linear =
-            total.view((n, n + PER_BODY), (PER_BODY, 1)).column(0) - coupling.tr_mul(&factor.solve(&right));
-        Ok(Reduced { hessian: (&hessian + hessian.transpose()) * 0.5, linear, factor, coupling, right })
+    /// Hessian and right side of the weighted equations of load, error of the description and friction.
+    pub(super) fn normal(&self) -> (DMatrix<f64>, DVector<f64>) {
+        let weighted = self.all.iter().zip(&self.weights).map(|(sums, weight)| &sums.products * *weight);
+        let total = weighted.fold(self.prior.clone(), |total, joint| total + joint);
+        let n = total.nrows() - 1;
+        (
+            with_ridge(total.view((0, 0), (n, n)).into_owned()),
+            total.view((0, n), (n, 1)).column(0).into_owned(),
+        )
     }
 
     /// Covariance of the load's parameters, for errors that are correlated within blocks of time. It is the
     /// sandwich covariance with the scores of the blocks, plus the effect of errors of the description and of
     /// the reference ball. These errors have the distance one.
+    ///
+    /// - `hessian`: Hessian with the metric `held` of the reference ball
+    /// - `values`: all unknowns, and −1 for the target
     pub(super) fn covariance(
         &self,
-        weights: &[f64],
-        reduced: &Reduced,
+        hessian: &DMatrix<f64>,
         held: &DMatrix<f64>,
-        load: &DVector<f64>,
+        values: &DVector<f64>,
     ) -> Result<DMatrix<f64>> {
-        let hessian = &reduced.hessian + held;
-        let x = self.homogeneous(reduced, load);
-        let projection = reduced.factor.solve(&reduced.coupling);
-        let mut meat = DMatrix::zeros(PER_BODY, PER_BODY);
+        let n = hessian.nrows();
+        let mut meat = DMatrix::zeros(n, n);
         for block in &self.blocks {
-            let mut products = DVector::zeros(x.len());
-            for (sums, weight) in block.iter().zip(weights) {
-                products += &sums.gram * &x * *weight;
-            }
-            let own = products.rows(0, self.nuisance);
-            let score = products.rows(self.nuisance, PER_BODY) - projection.tr_mul(&own);
-            meat += &score * score.transpose();
+            let products =
+                block.iter().zip(&self.weights).map(|(sums, weight)| &sums.products * values * *weight);
+            let score = products.sum::<DVector<f64>>().remove_row(n);
+            meat.ger(1.0, &score, &score, 1.0);
         }
         let blocks = self.blocks.len() as f64;
         meat *= blocks / (blocks - 1.0);
-        meat += (projection.tr_mul(&(&self.prior * &projection)) + held) * self.weight;
-        let bread = inverse(&hessian)?;
-        Ok(&bread * meat * &bread)
+        meat += (self.prior.view((0, 0), (n, n)) + held) * self.weight;
+        let bread = inverse(hessian)?.rows(0, PER_BODY).into_owned();
+        Ok(&bread * meat * bread.transpose())
     }
 
     /// For each joint, the share of the residual sum of squares of the log with the load that the load removes, if friction is
     /// unchanged; `None` for a joint at rest.
-    pub(super) fn explained(&self, reduced: &Reduced, load: &DVector<f64>) -> Vec<Option<f64>> {
-        let with = self.homogeneous(reduced, load);
-        let mut without = with.clone();
-        without.rows_mut(self.nuisance, PER_BODY).fill(0.0);
+    pub(super) fn explained(&self, values: &DVector<f64>) -> Vec<Option<f64>> {
+        let mut without = values.clone();
+        without.rows_mut(0, PER_BODY).fill(0.0);
         let square = |x: &DVector<f64>, joint: usize| -> f64 {
-            self.blocks[self.loaded_from..].iter().map(|block| x.dot(&(&block[joint].gram * x))).sum()
+            self.blocks[self.loaded_from..].iter().map(|block| x.dot(&(&block[joint].products * x))).sum()
         };
         let share = |j: usize| match square(&without, j) {
-            before if before > 0.0 => Some(1.0 - square(&with, j) / before),
+            before if before > 0.0 => Some(1.0 - square(values, j) / before),
             _ => None,
         };
-        (0..self.joints).map(share).collect()
+        (0..self.all.len()).map(share).collect()
     }
 }
 
-/// Makes a semidefinite matrix definite if columns are zero or dependent.
-fn stiffen(matrix: &mut DMatrix<f64>, range: std::ops::Range<usize>) {
-    let least = 1e-14 * matrix.diagonal().amax().max(f64::MIN_POSITIVE);
-    for i in range {
-        matrix[(i, i)] = matrix[(i, i)] * (1.0 + 1e-10) + least;
+/// Fails if runs do not match the robot, or if their efforts are currents without described motor constants.
+fn check(robot: &dyn Robot, runs: &[PreparedRun]) -> Result<()> {
+    let effort = runs[0].effort;
+    if effort == Effort::Current {
+        let given = robot.described_currents().into_iter().filter(|is_given| *is_given).count();
+        let what = "motor constants (`motor_constant` of the drives), which logs of currents need";
+        require_length(what, robot.input_names().len(), given)?;
     }
+    // A robot with a floating base may have joints without a sensor, whose efforts are NaN throughout.
+    let may_lack = !robot.quaternion_joints().is_empty();
+    runs.iter().try_for_each(|run| run.check(robot, effort, may_lack))
 }
 
-/// Inputs from which the columns of all rows are computed.
-struct Columns<'a> {
-    robot: &'a dyn Robot,
-    joints: usize,
-    parameters: usize,
-    nuisance: usize,
-    body: usize,
-    /// B, row by row.
-    input_matrix: Vec<f64>,
-    /// Largest speed of each joint. A joint at rest has no rows.
-    speeds: Vec<f64>,
-    /// Whether each row is that of a joint with a quaternion.
-    exact: Vec<bool>,
-    /// Whether the force of each row is known in all runs.
-    known: Vec<bool>,
-}
-
-impl<'a> Columns<'a> {
-    fn new<'b>(
-        robot: &'a dyn Robot,
-        runs: impl Iterator<Item = &'b PreparedRun>,
-        body: usize,
-    ) -> Result<Self> {
-        let runs: Vec<&PreparedRun> = runs.collect();
-        let (joints, parameters) = (robot.joint_names().len(), robot.parameters().len());
-        let effort = runs[0].effort;
-        if effort == Effort::Current {
-            let given = robot.described_currents().into_iter().filter(|is_given| *is_given).count();
-            let what = "motor constants (`motor_constant` of the drives), which logs of currents need";
-            require_length(what, robot.input_names().len(), given)?;
-        }
-        let quaternions = robot.quaternion_joints();
-        for run in &runs {
-            run.check(robot, effort, !quaternions.is_empty())?;
-        }
-        let speeds = (0..joints).map(|j| largest(runs.iter().flat_map(|run| &run.velocities[j]))).collect();
-        let nuisance = parameters + TERMS * joints;
-        let exact = rows_of(&quaternions, joints);
-        // A robot with a floating base may have joints without a sensor, whose efforts are NaN throughout.
-        let is_known = |j: usize| {
-            effort != Effort::Joint
-                || runs.iter().all(|run| run.efforts[j].first().is_none_or(|u| !u.is_nan()))
-        };
-        let known = (0..joints).map(is_known).collect();
-        Ok(Self {
-            robot,
-            joints,
-            parameters,
-            nuisance,
-            body,
-            input_matrix: robot.input_matrix(),
-            speeds,
-            exact,
-            known,
-        })
-    }
-
-    /// Adds sums of products of blocks of about `length` samples. Short runs share a block.
-    fn add_blocks(&self, runs: &[PreparedRun], loaded: bool, length: usize, blocks: &mut Vec<Vec<Sums>>) {
-        let mut filled = length;
-        for run in runs {
-            for start in (0..run.times.len()).step_by(length) {
-                let range = start..run.times.len().min(start + length);
-                let products = self.products(run, range.clone(), loaded);
-                match blocks.last_mut() {
-                    Some(last) if filled < length => {
-                        last.iter_mut().zip(&products).for_each(|(a, b)| a.add(b))
-                    }
-                    _ => {
-                        blocks.push(products);
-                        filled = 0;
-                    }
-                }
-                filled += range.len();
+/// Cuts the runs into blocks of about `length` samples. Short runs share a block. A block begins with the run `loaded`.
+fn pieces(runs: &[PreparedRun], loaded: usize, length: usize) -> Vec<Piece> {
+    let (mut pieces, mut blocks, mut filled) = (Vec::new(), 0, length);
+    for (run, samples) in runs.iter().enumerate() {
+        filled = if run == loaded { length } else { filled };
+        for start in (0..samples.times.len()).step_by(length) {
+            let rows = start..samples.times.len().min(start + length);
+            if filled >= length {
+                (blocks, filled) = (blocks + 1, 0);
             }
+            filled += rows.len();
+            pieces.push(Piece { run, fold: blocks - 1, rows });
         }
     }
-
-    /// Sums of products of the rows of each joint.
-    fn products(&self, run: &PreparedRun, range: std::ops::Range<usize>, loaded: bool) -> Vec<Sums> {
-        let width = self.nuisance + PER_BODY + 1;
-        let mut rows = vec![DMatrix::zeros(range.len(), width); self.joints];
-        let mut counts = vec![0; self.joints];
-        let mut regressor = vec![0.0; self.joints * self.parameters];
-        let mut forces = vec![0.0; self.joints];
-        for (row, i) in range.enumerate() {
-            let [y, v, a] = run.state(i);
-            regressor.fill(0.0);
-            self.robot.inertial_regressor(&y, &v, &a, &mut regressor);
-            self.robot.rigid_forces(&y, &v, &a, &mut forces);
-            for (j, matrix) in rows.iter_mut().enumerate().filter(|(j, _)| self.tells(run, *j, i)) {
-                counts[j] += 1;
-                let w = &regressor[j * self.parameters..(j + 1) * self.parameters];
-                self.write(&mut matrix.row_mut(row), j, w, v[j], loaded);
-                matrix[(row, width - 1)] = run.force(&self.input_matrix, j, i) - forces[j];
-            }
-        }
-        rows.iter().zip(counts).map(|(m, rows)| Sums { gram: m.tr_mul(m), rows }).collect()
-    }
-
-    /// Whether a sample of a joint contains information on the load: the force is known, and the joint moves, so that
-    /// static friction or a brake does not hold it.
-    fn tells(&self, run: &PreparedRun, joint: usize, sample: usize) -> bool {
-        let speed = run.velocities[joint][sample].abs();
-        let slides = speed > levels::STICKING.get() * self.speeds[joint] && !run.rests(joint, sample);
-        self.known[joint] && (self.exact[joint] || slides)
-    }
-
-    /// Writes one row without its target.
-    fn write(
-        &self,
-        row: &mut nalgebra::MatrixViewMut<f64, nalgebra::U1, Dyn, nalgebra::U1, Dyn>,
-        joint: usize,
-        w: &[f64],
-        velocity: f64,
-        loaded: bool,
-    ) {
-        for (k, x) in w.iter().enumerate() {
-            row[k] = *x;
-        }
-        if loaded {
-            for k in 0..PER_BODY {
-                row[self.nuisance + k] = w[PER_BODY * self.body + k];
-            }
-        }
-        if self.exact[joint] {
-            return;
-        }
-        let at = self.parameters + TERMS * joint;
-        let share = velocity / self.speeds[joint];
-        row[at] = 1.0;
-        row[at + 1] = share;
-        for (k, width) in WIDTHS.iter().enumerate() {
-            row[at + 2 + k] = (share / width).tanh();
-        }
-    }
-
-    /// Writes the prior that holds the error of the description near zero: the metric of bodies, and relative
-    /// changes of rotor inertias.
-    fn hold(&self, weight: f64, prior: &mut DMatrix<f64>) -> Result<()> {
-        let described = self.robot.parameters();
-        let bodies = PER_BODY * self.robot.bodies();
-        require_length("inertial parameters of the bodies", bodies, described.len().min(bodies))?;
-        let (metric, held) = distance(&described, self.robot.bodies());
-        // The objective is half of the sum of squares, so the distance has the factor two.
-        let mut own = metric * (2.0 * weight);
-        // Bodies without mass and rotors without inertia stay the same.
-        (0..held.len()).filter(|i| held[*i]).for_each(|i| own[(i, i)] = weight / HELD.powi(2));
-        prior.view_mut((0, 0), own.shape()).copy_from(&own);
-        Ok(())
-    }
-}
-
-fn singular() -> IdentificationError {
-    let reason = "the equations of the load are singular. Record a longer motion in which more joints move";
-    IdentificationError::NoSolution { reason: reason.into() }
+    pieces
 }

@@ -33,7 +33,7 @@ use crate::methods::confidence::quantile;
 use crate::numeric::statistics::median;
 use crate::robot::{Robot, require_no_driven};
 use crate::run::PreparedRun;
-use equations::{Equations, Reduced};
+use equations::Equations;
 use nalgebra::{DMatrix, DVector, Matrix4};
 
 /// Estimates a load from runs without and with the load.
@@ -56,18 +56,16 @@ pub(crate) fn estimate(
 ) -> Result<Payload> {
     let body = check(robot, settings)?;
     let equations = Equations::new(robot, without, with, body, settings)?;
-    let weights = equations.weights()?;
-    let reduced = equations.reduced(&weights)?;
     let factor = quantile(settings.confidence, (equations.blocks() - 1).max(1) as f64)?;
     // The first reference is a load of about the robot's size. If the motion determines the mass, the second reference is a
     // ball at the estimated centre. If the motion does not determine the mass, it does not determine a centre either.
-    let mut found = Found::near(anything(robot), &equations, &weights, &reduced, settings)?;
+    let mut found = Found::near(anything(robot), &equations, settings)?;
     if found.load.parameters[0] > factor * found.covariance[(0, 0)].sqrt() {
         let ball = ball(found.load.parameters.as_slice());
-        found = Found::near(ball, &equations, &weights, &reduced, settings)?;
+        found = Found::near(ball, &equations, settings)?;
     }
-    let explained = equations.explained(&reduced, &found.load.parameters);
-    let residuals = weights.iter().map(|&w| (w > 0.0).then(|| 1.0 / w.sqrt())).collect();
+    let explained = equations.explained(&found.load.parameters.clone().push(-1.0));
+    let residuals = equations.weights.iter().map(|&w| (w > 0.0).then(|| 1.0 / w.sqrt())).collect();
     let values = report::values(&found.load.parameters, &found.covariance, &found.sizes, factor);
     let mut payload = Payload { body, explained, residuals, ..values };
     payload.findings = report::findings(&payload, &found.load, &robot.joint_names());
@@ -102,25 +100,23 @@ struct Found {
 }
 
 impl Found {
-    fn near(
-        reference: [f64; PER_BODY],
-        equations: &Equations,
-        weights: &[f64],
-        reduced: &Reduced,
-        settings: &PayloadSettings,
-    ) -> Result<Self> {
+    fn near(reference: [f64; PER_BODY], equations: &Equations, settings: &PayloadSettings) -> Result<Self> {
         let weight = levels::BALL.get() * settings.weight;
         // The objective of the program is half of the sum of squares, so the distance has the factor two.
         let held = distance(&reference, 1).0 * (2.0 * weight);
-        let load = solve(&ConsistentProblem {
-            hessian: &reduced.hessian + &held,
-            linear: &reduced.linear + &held * DVector::from_row_slice(&reference),
+        let sizes = inverse(&held)?.diagonal().map(|square| (weight * square).sqrt());
+        let (hessian, linear) = equations.normal();
+        let held = held.resize(linear.len(), linear.len(), 0.0);
+        let reference = DVector::from_row_slice(&reference).resize_vertically(linear.len(), 0.0);
+        let problem = ConsistentProblem {
+            hessian: hessian + &held,
+            linear: linear + &held * reference,
             bodies: 1,
             nonnegative: Vec::new(),
-        })?;
-        let covariance = equations.covariance(weights, reduced, &held, &load.parameters)?;
-        let sizes = inverse(&held)?.diagonal().map(|square| (weight * square).sqrt());
-        Ok(Self { covariance, sizes, load })
+        };
+        let load = solve(&problem)?;
+        let values = load.parameters.clone().push(-1.0);
+        Ok(Self { covariance: equations.covariance(&problem.hessian, &held, &values)?, sizes, load })
     }
 }
 

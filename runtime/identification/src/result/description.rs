@@ -18,7 +18,7 @@ use super::{FrictionLaw, FrictionResult, FrictionTerm};
 use gelenk_files::{is_same_file, write_whole};
 use gelenk_findings::Finding;
 use gelenk_findings::digits::{literal, plain, vanishes};
-use gelenk_formula::{Allowed, Formula, FrictionPart, FrictionTerm as Written, parse};
+use gelenk_formula::{Allowed, Formula, FrictionPart, FrictionTerm as Written, parse, toml_text};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs;
@@ -98,7 +98,7 @@ pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
     let key = if extends.to_ascii_lowercase().ends_with(".urdf") { "urdf" } else { "extends" };
     let mut text = FIRST_LINE.to_owned();
     provenance.iter().for_each(|line| comment(line, &mut text));
-    let _ = writeln!(text, "name = {}\n{key} = {}", quoted(name), quoted(extends));
+    let _ = writeln!(text, "name = {}\n{key} = {}", toml_text(name), toml_text(extends));
     settings.iter().for_each(|line| {
         let _ = writeln!(text, "{line}");
     });
@@ -109,7 +109,7 @@ pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
         let value = friction_value(result)?;
         text.push_str("\n[[joints]]\n");
         comments(result, &mut text);
-        let _ = writeln!(text, "name = {}", quoted(&result.joint));
+        let _ = writeln!(text, "name = {}", toml_text(&result.joint));
         if let Some((_, drive)) = drives.iter().find(|(joint, _)| *joint == result.joint) {
             let _ = writeln!(text, "{drive}");
         }
@@ -117,7 +117,7 @@ pub fn identified_toml(identified: &Identified<'_>) -> Result<String> {
     }
     let has_law = |joint: &str| friction.iter().any(|result| result.joint == joint);
     for (joint, drive) in drives.iter().filter(|(joint, _)| !has_law(joint)) {
-        let _ = writeln!(text, "\n[[joints]]\nname = {}\n{drive}", quoted(joint));
+        let _ = writeln!(text, "\n[[joints]]\nname = {}\n{drive}", toml_text(joint));
     }
     bodies.iter().for_each(|body| {
         let _ = write!(text, "\n{body}");
@@ -207,23 +207,6 @@ fn comments(result: &FrictionResult, text: &mut String) {
 /// Adds a comment line. Control characters become blanks, so that a line break does not end the comment.
 fn comment(content: &str, text: &mut String) {
     let _ = writeln!(text, "# {}", content.replace(|c: char| c.is_control(), " "));
-}
-
-/// Returns the text as a TOML basic string.
-fn quoted(text: &str) -> String {
-    let mut out = String::from("\"");
-    for c in text.chars() {
-        match c {
-            '"' => out.push_str("\\\""),
-            '\\' => out.push_str("\\\\"),
-            c if c.is_control() => {
-                let _ = write!(out, "\\u{:04X}", c as u32);
-            }
-            c => out.push(c),
-        }
-    }
-    out.push('"');
-    out
 }
 
 #[cfg(test)]

@@ -129,7 +129,7 @@ gelenk_dynamics::dynamics!(struct Arm = gelenk_generated::schunk_lwa4p);
 
 fn schunk() -> impl Robot {
     use gelenk_generated::schunk_lwa4p as module;
-    super::super::super::robot::Generated {
+    super::generated::Generated {
         model: Arm,
         units: module::JOINT_UNITS,
         parameter_names: module::INERTIAL_PARAMETER_NAMES,

@@ -5,6 +5,7 @@ mod coverage;
 mod currents;
 mod data;
 mod delays;
+mod generated;
 mod levels;
 mod load;
 mod measured;

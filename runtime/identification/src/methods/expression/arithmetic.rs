@@ -1,23 +1,8 @@
-//! Operations of a program on blocks of samples.
+//! Operations of expressions on columns of samples.
 
 use gelenk_formula::{Function, Operator, Unary};
 use gelenk_kernels::math::{exp, sin_cos, sin_cos_lanes, tanh};
 use multiversion::multiversion;
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Operation {
-    Constant(f64),
-    Channel(usize),
-    Unary(Unary, usize),
-    Power(usize, u32),
-    Binary(Operator, usize, usize),
-}
-
-pub(super) fn power(a: &[f64], exponent: u32, out: &mut [f64]) {
-    for (o, a) in out.iter_mut().zip(a) {
-        *o = a.powi(exponent as i32); // at most 16
-    }
-}
 
 /// Returns −1, 0 or 1; NaN for NaN.
 pub(crate) fn sign(x: f64) -> f64 {
@@ -32,62 +17,57 @@ const LANES: usize = 8;
     clippy::redundant_closure,
     reason = "a named function would be called, but a closure is inlined into lanes"
 )]
-pub(super) fn unary(f: Unary, a: &[f64], out: &mut [f64]) {
+pub(super) fn unary(f: Unary, a: &mut [f64]) {
     #[inline(always)]
-    fn map(a: &[f64], out: &mut [f64], f: impl Fn(f64) -> f64) {
-        for (o, a) in out.iter_mut().zip(a) {
-            *o = f(*a);
-        }
+    fn map(a: &mut [f64], f: impl Fn(f64) -> f64) {
+        a.iter_mut().for_each(|a| *a = f(*a));
     }
     #[inline(always)]
-    fn turn(angles: &[f64], out: &mut [f64], choose: impl Fn((f64, f64)) -> f64) {
+    fn turn(angles: &mut [f64], choose: impl Fn((f64, f64)) -> f64) {
         let (mut sin, mut cos) = ([0.0; LANES], [0.0; LANES]);
-        let (eights, rest) = angles.as_chunks::<LANES>();
-        let (out_eights, out_rest) = out.as_chunks_mut::<LANES>();
-        for (angles, out) in eights.iter().zip(out_eights) {
+        let (eights, rest) = angles.as_chunks_mut::<LANES>();
+        for angles in eights {
             sin_cos_lanes(angles, &mut sin, &mut cos);
-            *out = std::array::from_fn(|lane| choose((sin[lane], cos[lane])));
+            *angles = std::array::from_fn(|lane| choose((sin[lane], cos[lane])));
         }
-        map(rest, out_rest, |angle| choose(sin_cos(angle)));
+        map(rest, |angle| choose(sin_cos(angle)));
     }
     match f {
-        Unary::Negate => map(a, out, |a| -a),
-        Unary::Not => map(a, out, |a| 1.0 - a),
-        Unary::Logarithm => map(a, out, f64::ln),
-        Unary::Call(Function::Abs) => map(a, out, f64::abs),
-        Unary::Call(Function::Sign) => map(a, out, sign),
-        Unary::Call(Function::Sqrt) => map(a, out, f64::sqrt),
-        Unary::Call(Function::Exp) => map(a, out, |a| exp(a)),
-        Unary::Call(Function::Sin) => turn(a, out, |(sin, _)| sin),
-        Unary::Call(Function::Cos) => turn(a, out, |(_, cos)| cos),
-        Unary::Call(Function::Tanh) => map(a, out, |a| tanh(a)),
+        Unary::Negate => map(a, |a| -a),
+        Unary::Not => map(a, |a| 1.0 - a),
+        Unary::Logarithm => map(a, f64::ln),
+        Unary::Call(Function::Abs) => map(a, f64::abs),
+        Unary::Call(Function::Sign) => map(a, sign),
+        Unary::Call(Function::Sqrt) => map(a, f64::sqrt),
+        Unary::Call(Function::Exp) => map(a, |a| exp(a)),
+        Unary::Call(Function::Sin) => turn(a, |(sin, _)| sin),
+        Unary::Call(Function::Cos) => turn(a, |(_, cos)| cos),
+        Unary::Call(Function::Tanh) => map(a, |a| tanh(a)),
     }
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl", "x86_64+avx2+fma"))]
-pub(super) fn binary(f: Operator, a: &[f64], b: &[f64], out: &mut [f64]) {
+pub(super) fn binary(f: Operator, a: &mut [f64], b: &[f64]) {
     #[inline(always)]
-    fn map(a: &[f64], b: &[f64], out: &mut [f64], f: impl Fn(f64, f64) -> f64) {
-        for ((o, a), b) in out.iter_mut().zip(a).zip(b) {
-            *o = f(*a, *b);
-        }
+    fn map(a: &mut [f64], b: &[f64], f: impl Fn(f64, f64) -> f64) {
+        a.iter_mut().zip(b).for_each(|(a, b)| *a = f(*a, *b));
     }
     fn truth(flag: bool) -> f64 {
         f64::from(u8::from(flag))
     }
     match f {
-        Operator::Add => map(a, b, out, |a, b| a + b),
-        Operator::Subtract => map(a, b, out, |a, b| a - b),
-        Operator::Multiply | Operator::And => map(a, b, out, |a, b| a * b),
-        Operator::Divide => map(a, b, out, |a, b| a / b),
-        Operator::Less => map(a, b, out, |a, b| truth(a < b)),
-        Operator::LessEqual => map(a, b, out, |a, b| truth(a <= b)),
-        Operator::Greater => map(a, b, out, |a, b| truth(a > b)),
-        Operator::GreaterEqual => map(a, b, out, |a, b| truth(a >= b)),
-        Operator::Equal => map(a, b, out, |a, b| truth(a == b)),
-        Operator::NotEqual => map(a, b, out, |a, b| truth(a != b)),
-        Operator::Or | Operator::Max => map(a, b, out, larger),
-        Operator::Min => map(a, b, out, |a, b| -larger(-a, -b)),
+        Operator::Add => map(a, b, |a, b| a + b),
+        Operator::Subtract => map(a, b, |a, b| a - b),
+        Operator::Multiply | Operator::And => map(a, b, |a, b| a * b),
+        Operator::Divide => map(a, b, |a, b| a / b),
+        Operator::Less => map(a, b, |a, b| truth(a < b)),
+        Operator::LessEqual => map(a, b, |a, b| truth(a <= b)),
+        Operator::Greater => map(a, b, |a, b| truth(a > b)),
+        Operator::GreaterEqual => map(a, b, |a, b| truth(a >= b)),
+        Operator::Equal => map(a, b, |a, b| truth(a == b)),
+        Operator::NotEqual => map(a, b, |a, b| truth(a != b)),
+        Operator::Or | Operator::Max => map(a, b, larger),
+        Operator::Min => map(a, b, |a, b| -larger(-a, -b)),
     }
 }
 

@@ -1,13 +1,11 @@
 //! Standard errors of the parameters of a Stribeck law, and warnings about the parameters.
 
-use super::super::confidence::{Correlated, LongRun};
-use super::super::margin::change;
 use super::law::{NAMES, StribeckFit};
 use super::refine::{Normal, Observed};
 use crate::numeric::spectrum::symmetric_eigen;
 use gelenk_findings::digits::plain;
 use gelenk_findings::{Finding, Rule, counted};
-use nalgebra::{DMatrix, DVector, SMatrix};
+use nalgebra::SMatrix;
 
 /// Sees: parameters of a Stribeck law that the data do not determine.
 /// Matters: the values of these parameters are guesses.
@@ -18,21 +16,18 @@ const PARAMETERS: Rule = Rule::warning("stribeck-parameters");
 pub(super) fn summarize(samples: &Observed, state: &Normal) -> StribeckFit {
     let freedom = samples.v.len().saturating_sub(5).max(1);
     let variance = state.cost / freedom as f64;
-    let information = shown(samples, state);
-    let (inverse, lost) = inverse(&information);
+    let (inverse, lost) = inverse(&shown(samples, state));
     let known = |i: usize, variance: f64| (!lost[i]).then(|| variance.max(0.0).sqrt());
     let covariance = inverse * variance;
     let mut fit = StribeckFit {
         parameters: state.a,
         covariance,
         standard_errors: std::array::from_fn(|i| known(i, covariance[(i, i)])),
-        resolutions: std::array::from_fn(|i| known(i, variance / information[(i, i)])),
         variance,
         freedom,
         iterations: state.iterations,
         converged: state.converged,
         warnings: Vec::new(),
-        information,
     };
     fit.warnings = warnings(&fit, samples);
     fit
@@ -78,75 +73,6 @@ fn inverse(h: &SMatrix<f64, 5, 5>) -> (SMatrix<f64, 5, 5>, [bool; 5]) {
     }
     let entry = |i: usize, j: usize| if lost[i] || lost[j] { 0.0 } else { inverse[(i, j)] / (d[i] * d[j]) };
     (SMatrix::from_fn(entry), lost)
-}
-
-impl StribeckFit {
-    /// Returns the fit with the covariance and standard errors for errors that are correlated between neighbouring samples
-    /// (see [`super::super::confidence`]).
-    ///
-    /// - `samples`: samples of the regression
-    pub(crate) fn with_correlated_errors(mut self, samples: &Observed) -> Self {
-        let (scores, runs) = (self.scores(samples), samples.runs);
-        let (inverse, _) = inverse(&self.information);
-        let errors = Correlated::new(&DMatrix::from_fn(5, 5, |i, k| inverse[(i, k)]), &scores, runs);
-        self.covariance = SMatrix::from_fn(|i, k| errors.covariance[(i, k)]);
-        self.standard_errors = std::array::from_fn(|i| self.standard_errors[i].map(|_| errors.standard[i]));
-        let alone = |i: usize| LongRun::of_sum(&scores[i], runs).standard_error() / self.information[(i, i)];
-        self.resolutions = std::array::from_fn(|i| self.resolutions[i].map(|_| alone(i)));
-        self.freedom = self.freedom.min(errors.freedom as usize).max(1);
-        self
-    }
-
-    /// Returns the contribution of each sample to the normal equations.
-    fn scores(&self, samples: &Observed) -> Vec<Vec<f64>> {
-        let Sensitivities { derivatives, residual } = self.sensitivities(samples);
-        let score = |column: &Vec<f64>| column.iter().zip(&residual).map(|(x, r)| x * r).collect();
-        derivatives.iter().map(score).collect()
-    }
-
-    /// Returns derivatives and residual at the samples.
-    pub(crate) fn sensitivities(&self, samples: &Observed) -> Sensitivities {
-        let mut derivatives = samples.columns(&self.parameters).to_vec();
-        let residual = derivatives.pop().unwrap_or_default();
-        Sensitivities { derivatives, residual }
-    }
-
-    /// Returns the changes of the parameters, to first order, if some samples are left out.
-    ///
-    /// - `left_out`: for each sample, whether it is left out
-    pub(crate) fn changes(&self, at: &Sensitivities, left_out: &[bool]) -> DVector<f64> {
-        let kept = |i: usize| !left_out[i];
-        let left = at.products(&at.derivatives, kept);
-        let score = at.products(std::slice::from_ref(&at.residual), kept).column(0).into_owned();
-        let all = DMatrix::from_fn(5, 5, |i, k| self.information[(i, k)]);
-        change(&all, &left, &score)
-    }
-
-    /// Returns the least-squares coefficients `(JᵀJ)⁻¹ Jᵀ F` of other columns F on the derivatives J of the
-    /// law, with zeros for parameters that are not identifiable.
-    pub(crate) fn map(&self, at: &Sensitivities, others: &[Vec<f64>]) -> DMatrix<f64> {
-        let (inverse, _) = inverse(&self.information);
-        DMatrix::from_fn(5, 5, |i, k| inverse[(i, k)]) * at.products(others, |_| true)
-    }
-}
-
-/// Derivatives and residual of a law, after the elimination of the offsets.
-pub(crate) struct Sensitivities {
-    derivatives: Vec<Vec<f64>>,
-    residual: Vec<f64>,
-}
-
-impl Sensitivities {
-    /// Returns the products `Jᵀ F` of the law's derivatives J with other columns F over the kept samples.
-    fn products(&self, others: &[Vec<f64>], kept: impl Fn(usize) -> bool) -> DMatrix<f64> {
-        let product = |one: &[f64], other: &[f64]| -> f64 {
-            let samples = (0..one.len()).filter(|i| kept(*i));
-            samples.map(|i| one[i] * other[i]).sum()
-        };
-        DMatrix::from_fn(self.derivatives.len(), others.len(), |i, k| {
-            product(&self.derivatives[i], &others[k])
-        })
-    }
 }
 
 fn warnings(fit: &StribeckFit, samples: &Observed) -> Vec<Finding> {

@@ -74,19 +74,14 @@ pub struct StribeckFit {
     /// Parameters of the law `a1 v + a2 tanh(a3 v) + a4 exp(−a5 |v|) tanh(3 a3 v)` with the velocity v. For a
     /// revolute joint their units are N·m·s/rad, N·m, s/rad, N·m, s/rad.
     pub parameters: [f64; 5],
-    /// Covariance of the parameters. It holds for independent errors, or for correlated errors after
-    /// `with_correlated_errors`. Rows and columns of parameters that are not identifiable are zero, see
-    /// [`Self::standard_errors`].
+    /// Covariance of the parameters for independent errors. Rows and columns of parameters that are not identifiable are zero,
+    /// see [`Self::standard_errors`].
     pub covariance: SMatrix<f64, 5, 5>,
     /// Standard error of each parameter; `None` if the data do not determine the parameter.
     pub standard_errors: [Option<f64>; 5],
-    /// Standard error of each parameter if all other parameters were known; `None` if the data do not determine the
-    /// parameter.
-    pub resolutions: [Option<f64>; 5],
     /// Residual variance σ², in (N·m)² or N².
     pub variance: f64,
-    /// Degrees of freedom of the residual variance. After `with_correlated_errors`, degrees of freedom of the standard
-    /// errors.
+    /// Degrees of freedom of the residual variance.
     pub freedom: usize,
     /// Number of passes over all samples.
     pub iterations: usize,
@@ -94,9 +89,6 @@ pub struct StribeckFit {
     pub converged: bool,
     /// Warnings about the parameters, with numbers.
     pub warnings: Vec<Finding>,
-    /// Matrix JᵀWJ at the result. J are the derivatives of the torques with respect to the parameters,
-    /// and W are the weights of the samples.
-    pub(super) information: SMatrix<f64, 5, 5>,
 }
 
 impl StribeckFit {

@@ -72,7 +72,7 @@ impl Observed<'_> {
     }
 
     /// Returns the columns of all samples, filtered if there is a filter.
-    pub(super) fn columns(&self, a: &[f64; 5]) -> Columns {
+    pub(crate) fn columns(&self, a: &[f64; 5]) -> Columns {
         self.passed(a).unwrap_or_else(|| evaluated(self.v, self.torque, a))
     }
 }

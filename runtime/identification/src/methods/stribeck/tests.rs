@@ -4,8 +4,10 @@ use super::super::confidence::quantile;
 use super::super::filtered::{Filtered, FilteredRun};
 use super::words::Estimate;
 use super::*;
+use crate::friction::{FrictionData, FrictionIdentification, FrictionMethod};
 use crate::methods::filter::Filter;
 use crate::numeric::random::SplitMix64;
+use crate::result::{FrictionLaw, FrictionTerm};
 use std::ops::Range;
 
 const TRUE: [f64; 5] = [2.1, 1.4, 20.0, 0.9, 8.0];
@@ -16,6 +18,16 @@ fn data(m: usize, sigma: f64, seed: u64) -> (Vec<f64>, Vec<f64>) {
         (0..m).map(|i| 1.2 * (0.002 * i as f64).sin() + 0.7 * (0.0052 * i as f64 + 0.4).sin()).collect();
     let torque = v.iter().map(|v| stribeck_torque(*v, &TRUE) + sigma * random.normal()).collect();
     (v, torque)
+}
+
+/// The parameters of the identified law, with errors for correlated residuals.
+fn stribeck(data: &FrictionData) -> [FrictionTerm; 5] {
+    let method = FrictionMethod::Stribeck(StribeckRegression::default());
+    let settings = FrictionIdentification { method, ..FrictionIdentification::new().unwrap() };
+    match settings.identify(data).unwrap().result.law {
+        FrictionLaw::Stribeck(terms) => *terms,
+        law @ FrictionLaw::Terms(_) => panic!("{law:?}"),
+    }
 }
 
 fn observed<'a>(v: &'a [f64], torque: &'a [f64], runs: &'a [Range<usize>]) -> Observed<'a> {
@@ -143,16 +155,14 @@ fn correlated_errors_widen_the_intervals() {
         *t += slow;
     }
     let fit = StribeckRegression::default().fit(&v, &torque).unwrap();
-    let whole = 0..v.len();
-    let honest = fit.clone().with_correlated_errors(&observed(&v, &torque, &[whole]));
-    for i in 0..5 {
-        let (narrow, wide) = (fit.standard_errors[i].unwrap(), honest.standard_errors[i].unwrap());
+    let honest = stribeck(&FrictionData { velocities: &v, torques: &torque, ..FrictionData::default() });
+    for (i, term) in honest.iter().enumerate() {
+        let (narrow, wide) = (fit.standard_errors[i].unwrap(), term.standard_error.unwrap());
         assert!(wide > 1.5 * narrow && wide < 10.0 * narrow, "{i}: {narrow} {wide}");
         assert!((fit.parameters[i] - TRUE[i]).abs() < 4.0 * wide);
-        assert!(honest.resolutions[i].unwrap() <= wide * 1.5);
+        assert!(term.resolution.unwrap() <= wide * 1.5);
+        assert_eq!(term.coefficient, fit.parameters[i]);
     }
-    assert!(honest.freedom < fit.freedom);
-    assert_eq!(honest.parameters, fit.parameters);
 }
 
 /// A second search starts from the law that made the data. The laws are steep or flat, with or without an excess of static
@@ -210,12 +220,16 @@ fn a_filter_of_the_torques_changes_no_parameter() {
         let run = FilteredRun { velocities: &v, kept: kept.clone() };
         let filtered = Filtered { filter: &filter, runs: vec![run] };
         let observed = Observed { filtered: Some(&filtered), ..observed(&samples, &torques, &runs) };
-        let fit =
-            StribeckRegression::default().fit_runs(&observed).unwrap().with_correlated_errors(&observed);
-        let t = quantile(0.95, fit.freedom as f64).unwrap();
-        inside += (0..5)
-            .filter(|i| (fit.parameters[*i] - a[*i]).abs() <= t * fit.standard_errors[*i].unwrap())
-            .count();
+        let fit = StribeckRegression::default().fit_runs(&observed).unwrap();
+        let data = FrictionData {
+            velocities: &samples,
+            torques: &torques,
+            filtered: Some(&filtered),
+            ..FrictionData::default()
+        };
+        let terms = stribeck(&data);
+        inside +=
+            (0..5).filter(|i| (terms[*i].coefficient - a[*i]).abs() <= terms[*i].reach.unwrap()).count();
         assert!((fit.parameters[2] / a[2] - 1.0).abs() < 0.15, "{:?} instead of {a:?}", fit.parameters);
     }
     assert!((25..=30).contains(&inside), "{inside} of 30 intervals hold");
