@@ -4946,23 +4946,21 @@ mod manifold {
     }
 
     impl Polynomial {
-        /// The adjoint matrix `Ad(exp(−d))`.
-        fn adjoint(w: &[f64; 3]) -> Self {
-            let [c1, c2, c3, c4, _] = doubled(&stumpff(0.25 * inner(w, w)));
+        /// The adjoint matrix `Ad(exp(−d))`, from the Stumpff functions for k = 1 to 5.
+        fn adjoint([c1, c2, c3, c4, _]: &[f64; 5]) -> Self {
             Self {
                 linear: -c1,
-                square: c2,
+                square: *c2,
                 linear_slope: c2 - c3,
                 square_slope: 2.0 * c4 - c3,
             }
         }
 
-        /// The right Jacobian `J_r(d) = Σ (−ad_d)ᵏ / (k + 1)!`.
-        fn right(w: &[f64; 3]) -> Self {
-            let [_, c2, c3, c4, c5] = doubled(&stumpff(0.25 * inner(w, w)));
+        /// The right Jacobian `J_r(d) = Σ (−ad_d)ᵏ / (k + 1)!`, from the Stumpff functions for k = 1 to 5.
+        fn right([_, c2, c3, c4, c5]: &[f64; 5]) -> Self {
             Self {
                 linear: -c2,
-                square: c3,
+                square: *c3,
                 linear_slope: c3 - 2.0 * c4,
                 square_slope: 3.0 * c5 - c4,
             }
@@ -5026,17 +5024,19 @@ mod manifold {
     /// The derivatives of `X exp(d)` on SE(3) with respect to X and d.
     pub(super) fn pose_tangents(d: &[f64; 6]) -> [[[f64; 6]; 6]; 2] {
         let [_, _, _, w @ ..] = d;
+        let functions = doubled(&stumpff(0.25 * inner(w, w)));
         [
-            Polynomial::adjoint(w).of_pose(d),
-            Polynomial::right(w).of_pose(d),
+            Polynomial::adjoint(&functions).of_pose(d),
+            Polynomial::right(&functions).of_pose(d),
         ]
     }
 
     /// The derivatives of `X exp(d)` on SO(3) with respect to X and d.
     pub(super) fn rotation_tangents(w: &[f64; 3]) -> [[[f64; 3]; 3]; 2] {
+        let functions = doubled(&stumpff(0.25 * inner(w, w)));
         [
-            Polynomial::adjoint(w).of_rotation(w),
-            Polynomial::right(w).of_rotation(w),
+            Polynomial::adjoint(&functions).of_rotation(w),
+            Polynomial::right(&functions).of_rotation(w),
         ]
     }
 
