@@ -102,7 +102,7 @@ fn tools_get_files_of_their_own() {
     }
     // Nobody calls Rust that way.
     let (code, said) = gelenk(folder, "generate powercube.toml --for python");
-    assert!(code == 1 && said.contains("require a C module"), "{said}");
+    assert!(code == 1 && said.contains("written in C, but the language is Rust"), "{said}");
 }
 
 /// Joints with quaternions of every kind, an ordinary one, and a free parameter.
