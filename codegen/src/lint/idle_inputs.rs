@@ -77,8 +77,8 @@ fn check_levers(
     let name = &input.name.value;
     let message =
         format!("input `{name}` moves nothing: its wrench at `{frame}` does no work along any joint");
-    let help = "a force moves a revolute joint if its line misses the axis, and a prismatic joint if it has a component along the \
-                axis. A moment needs a component along a revolute axis";
+    let help = "a force moves a revolute joint if it has a moment about the axis, and a prismatic joint if it has a component along \
+                the axis. A moment moves a revolute joint if it has a component along the axis";
     if acts(&others) {
         let message = format!("{message} at the described values of the free parameters");
         report.push(Some(input.wrench.span), MOVES_NOTHING.found(message));

@@ -90,7 +90,7 @@ impl Composite {
         }
     }
 
-    /// The joints as which this joint is read, in their order from the base outwards.
+    /// The chain of joints that replaces this joint, from the base outwards.
     pub fn parts(self) -> &'static [Part] {
         match self {
             Self::Cylindrical => CYLINDRICAL,

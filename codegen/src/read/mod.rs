@@ -60,8 +60,8 @@ fn without_mark(text: &str) -> &str {
 
 /// Reads a TOML description.
 ///
-/// - `text`, `name`: text of the description, and its name in messages; the file stem is the name of the
-///   model if the text has no name
+/// - `text`: text of the description
+/// - `name`: file name for messages; its stem is the name of the model if the text has no key `name`
 /// - `load`: loads the TOML, URDF or MJCF that the description extends
 ///
 /// # Errors

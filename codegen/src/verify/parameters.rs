@@ -111,8 +111,8 @@ pub fn regressor<T: Number>(case: &Case<'_, T>) -> Rows<T> {
     transposed(&columns, case.n())
 }
 
-/// Columns of the inertial regressor for the leading parameters of the base parameters; `None` if the names
-/// of the base parameters are unknown.
+/// Columns of the inertial regressor that form the base regressor. The column of a base parameter is that of
+/// the first inertial parameter of its sum. `None` if the names of the base parameters are unknown.
 pub fn base_regressor<T: Number>(case: &Case<'_, T>, constants: &[Constant]) -> Option<Rows<T>> {
     let leaders = constants.iter().find_map(|constant| match &constant.value {
         ConstantValue::Names(_, names) if constant.name == "BASE_PARAMETER_NAMES" => Some(names),

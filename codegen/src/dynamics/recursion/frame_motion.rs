@@ -26,8 +26,8 @@ pub struct BasePoses<'g> {
 }
 
 impl<'g> BasePoses<'g> {
-    /// Computes the bodies' poses at the coordinates `y`. The mechanism must be in metres, with equations in
-    /// the bodies' own frames.
+    /// Computes the bodies' poses at the coordinates `y`. Lengths of the mechanism must be in metres, and each
+    /// body must have its own frame.
     pub fn new(mechanism: Mechanism<Scalar<'g>>, y: &[Scalar<'g>]) -> Self {
         let placements = place(&mechanism, &Formulation::plain(mechanism.bodies.len()), y);
         let base = FramePose::base(mechanism.graph.constant(1.0));

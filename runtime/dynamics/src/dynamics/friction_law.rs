@@ -8,7 +8,7 @@
 /// inferred.
 #[diagnostic::on_unimplemented(
     message = "the module has no `friction_torques` as a function of velocities, or of positions and velocities",
-    label = "generate it with friction_torques",
+    label = "generate this module with the function friction_torques",
     note = "if the module has free parameters, write `dynamics!(struct Name {{ parameters }} = module)`. If the \
             module has driven joints, write `dynamics!(struct Name {{ driven }} = module)`. If it has both, write \
             `{{ driven, parameters }}`. For all other modules, write `dynamics!(struct Name = module)`"
@@ -39,7 +39,7 @@ where
 /// joints. In the second case `P` is the motion of the driven joints.
 #[diagnostic::on_unimplemented(
     message = "the module has no `friction_torques` as a function of velocities, or of positions and velocities",
-    label = "generate it with friction_torques",
+    label = "generate this module with the function friction_torques",
     note = "if the module has free parameters, write `dynamics!(struct Name {{ parameters }} = module)`. If the \
             module has driven joints, write `dynamics!(struct Name {{ driven }} = module)`. If it has both, write \
             `{{ driven, parameters }}`. For all other modules, write `dynamics!(struct Name = module)`"
@@ -73,7 +73,7 @@ where
 /// A generated function `friction_torques` of a module with driven joints and free parameters `P`.
 #[diagnostic::on_unimplemented(
     message = "the module has no `friction_torques` as a function of velocities, or of positions and velocities",
-    label = "generate it with friction_torques"
+    label = "generate this module with the function friction_torques"
 )]
 pub trait FrictionLawWithDriven<Arguments, D, P, const N: usize, const NY: usize> {
     /// Friction torques [N m or N] at positions `y` and velocities `v`, with driven joints `d` and parameters

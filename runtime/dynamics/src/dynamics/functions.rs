@@ -56,7 +56,7 @@ impl<A, R> MadeOrElse<A, R> for Missing {
 /// ```
 #[diagnostic::on_unimplemented(
     message = "the module does not have a function that `Dynamics` requires",
-    label = "generate it with mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques and input_matrix",
+    label = "generate this module with the functions mass_matrix, coriolis_forces, gravity_forces, spring_forces, friction_torques and input_matrix",
     note = "if you do not choose functions (`--functions`, or `functions` in the description), the generator writes all functions"
 )]
 pub trait Required<A, T> {
@@ -141,7 +141,7 @@ pub struct HasDerivatives<const B: bool>;
 /// derivatives. Because of the lifetime, the compiler checks the bound only when the trait is used.
 #[diagnostic::on_unimplemented(
     message = "the module does not have a derivative that `Differentiable` requires",
-    label = "generate it with inverse_dynamics_derivatives and linearize",
+    label = "generate this module with the functions inverse_dynamics_derivatives and linearize",
     note = "if you do not choose functions (`--functions`, or `functions` in the description), the generator writes all functions"
 )]
 pub trait Yes<'a> {}

@@ -10,7 +10,7 @@ use super::functions::Missing;
 /// inferred.
 #[diagnostic::on_unimplemented(
     message = "the module has no `input_matrix`",
-    label = "generate it with input_matrix",
+    label = "generate this module with the function input_matrix",
     note = "if the module has free parameters, write `dynamics!(struct Name {{ parameters }} = module)`. If the \
             module has driven joints, write `dynamics!(struct Name {{ driven }} = module)`. If it has both, write \
             `{{ driven, parameters }}`. For all other modules, write `dynamics!(struct Name = module)`"
@@ -42,7 +42,7 @@ impl<F: Fn(&[f64; NY]) -> [[f64; M]; N], const N: usize, const M: usize, const N
 /// joints. In the second case `P` is the motion of the driven joints.
 #[diagnostic::on_unimplemented(
     message = "the module has no `input_matrix`",
-    label = "generate it with input_matrix",
+    label = "generate this module with the function input_matrix",
     note = "if the module has free parameters, write `dynamics!(struct Name {{ parameters }} = module)`. If the \
             module has driven joints, write `dynamics!(struct Name {{ driven }} = module)`. If it has both, write \
             `{{ driven, parameters }}`. For all other modules, write `dynamics!(struct Name = module)`"
@@ -85,7 +85,7 @@ impl<F: Fn() -> [[f64; M]; N], P, const N: usize, const M: usize, const NY: usiz
 /// A generated function `input_matrix` of a module with driven joints and free parameters `P`.
 #[diagnostic::on_unimplemented(
     message = "the module has no `input_matrix`",
-    label = "generate it with input_matrix"
+    label = "generate this module with the function input_matrix"
 )]
 pub trait InputMatrixWithDriven<Arguments, D, P, const N: usize, const M: usize, const NY: usize> {
     /// Input matrix B at positions `y`, with driven joints `d` and parameters `p`.

@@ -69,7 +69,7 @@ pub(super) fn drift(
     });
     let of_offset = offset.exceeds(NAMED_CHANGE * scale).then(|| {
         let change = with_error(offset.change, Some(offset.standard_error));
-        OFFSET_DRIFTS.found(format!("the constant torque drifts by {change} {} over the log", data.unit))
+        OFFSET_DRIFTS.found(format!("the offset of the efforts changes by {change} {} over the log, but the fit assumes a constant offset", data.unit))
     });
     Ok(of_friction.into_iter().chain(of_offset).collect())
 }

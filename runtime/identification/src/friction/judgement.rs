@@ -45,7 +45,10 @@ impl LawFit {
             law,
             unseen,
             samples,
-            squares: [residuals.iter().map(|r| r * r).sum(), variation(data, std::slice::from_ref(&(0..samples)))],
+            squares: [
+                residuals.iter().map(|r| r * r).sum(),
+                variation(data, std::slice::from_ref(&(0..samples))),
+            ],
             residuals,
             lost: 0.0,
             velocity_range: extremes(data.velocities.iter().copied()),

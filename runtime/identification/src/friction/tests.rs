@@ -247,7 +247,7 @@ fn drift_is_shown_where_it_is_there() {
     // A fifth of the first value is 22 % of the middle one.
     assert!(words.contains("[friction-drifts]: friction changes by -22."), "{words}");
     let words = drift(0.0, 1.0);
-    assert!(words.contains("[offset-drifts]: the constant torque drifts by 0.99"), "{words}");
+    assert!(words.contains("[offset-drifts]: the offset of the efforts changes by 0.99"), "{words}");
 }
 
 /// Errors that are correlated over a tenth of a second, as smoothing leaves them.
