@@ -1,4 +1,4 @@
-//! Sums of products of the equations of motion over blocks of time, for estimates next to the common fit.
+//! Sums of products of the equations of motion over blocks of time, for estimates without the common fit.
 
 use super::super::error::Result;
 use super::super::numeric::statistics::largest;

@@ -40,15 +40,12 @@ impl LawFit {
         residuals: Vec<f64>,
         errors: Errors,
     ) -> Self {
-        let samples = residuals.len();
+        let (samples, whole) = (residuals.len(), 0..residuals.len());
         Self {
             law,
             unseen,
             samples,
-            squares: [
-                residuals.iter().map(|r| r * r).sum(),
-                variation(data, std::slice::from_ref(&(0..samples))),
-            ],
+            squares: [residuals.iter().map(|r| r * r).sum(), variation(data, &[whole])],
             residuals,
             lost: 0.0,
             velocity_range: extremes(data.velocities.iter().copied()),
