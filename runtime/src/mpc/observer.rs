@@ -205,6 +205,12 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
             row[2 * N..].copy_from_slice(&factors[2 * N..]);
             self.covariance[i * n + i] += self.noise(i);
         }
+        // Rounding makes the product unsymmetric, and in many periods the difference would grow.
+        for i in 0..n {
+            for j in 0..i {
+                self.covariance[j * n + i] = self.covariance[i * n + j];
+            }
+        }
     }
 
     /// Corrects the estimate with measured positions [rad or m], also for robots with quaternions. The innovation is
@@ -276,7 +282,7 @@ impl<const N: usize, const M: usize, const NY: usize> DisturbanceObserver<N, M, 
     }
 
     /// Corrects the estimate with one measurement of entry `m` of the augmented state. With `s = P_m/√(P_mm + noise²)`,
-    /// the state changes by `s innovation/√(P_mm + noise²)`, and P by `−s sᵀ`, which keeps it symmetric.
+    /// the state changes by `s innovation/√(P_mm + noise²)`, and P by `−s sᵀ`, which keeps its symmetry.
     fn take(&mut self, m: usize, innovation: f64, noise: f64, mut add: impl FnMut(&mut Self, usize, f64)) {
         let n = Self::SIZE;
         let deviation = (self.covariance[m * n + m] + noise * noise).sqrt();
