@@ -31,7 +31,7 @@ pub struct InterpretedRobot {
     /// derived at the first use.
     at_rest: OnceLock<Option<Function>>,
     /// Function for the input matrix B(y); `None` if no input acts at a frame.
-    input_matrix_at: Option<[Function; 1]>,
+    input_matrix_at: Option<Function>,
     /// For each joint, whether it is moved from outside, so that its force is not measured.
     unmeasured: Vec<bool>,
     /// Shafts of drives whose friction is identified.
@@ -96,10 +96,8 @@ impl InterpretedRobot {
             joint.friction.clear();
             joint.load_friction.clear();
         }
-        let input_matrix_at = match model.force_inputs.is_empty() {
-            true => None,
-            false => Some(derive(&model, ["input_matrix"])?),
-        };
+        let input_matrix_at = (!model.force_inputs.is_empty()).then(|| derive(&model, ["input_matrix"]));
+        let input_matrix_at = input_matrix_at.transpose()?.map(|[function]| function);
         // The forces of these inputs depend on the positions.
         let frame_inputs = std::mem::take(&mut model.force_inputs);
         let [regressor, inverse_dynamics, parameters, input_matrix] = derive(
@@ -282,7 +280,7 @@ impl Robot for InterpretedRobot {
     }
 
     fn input_forces(&self, y: &[f64], u: &[f64], forces: &mut [f64]) {
-        let at_positions = self.input_matrix_at.as_ref().map(|[function]| result(function, &[y], &self.free));
+        let at_positions = self.input_matrix_at.as_ref().map(|function| result(function, &[y], &self.free));
         let matrix = at_positions.as_ref().unwrap_or(&self.input_matrix);
         for (force, row) in forces.iter_mut().zip(matrix.chunks_exact(u.len().max(1))) {
             *force = row.iter().zip(u).map(|(b, u)| b * u).sum();

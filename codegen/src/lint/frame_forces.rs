@@ -39,7 +39,8 @@ const RATES: [f64; 5] = [1e-3, 1e-2, 0.1, 1.0, 10.0];
 const POLE: f64 = 1e6;
 /// Number of steps of the search for a pole of a force law.
 const THIRDS: u32 = 80;
-const FINITE: &str = "a force law must be finite at every distance l that the joints' limits allow, and at every rate dl, including 0";
+const FINITE: &str = "a force law must be finite at every distance l that the joints' limits allow, and at every rate dl, \
+                      including 0";
 /// Number of distances at which force laws are evaluated, including both ends.
 const LENGTHS: i32 = 21;
 

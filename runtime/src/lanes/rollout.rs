@@ -14,7 +14,7 @@ use crate::qp::lanes::{Portable, Vector, WIDTH, vectorized};
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 use crate::qp::x86::{Avx2, has_avx2};
 
-/// Number of robots for which one call of a function for eight states linearizes all of them.
+/// Number of robots that are integrated together. One call of a function for eight states linearizes all of them.
 pub(crate) const TOGETHER: usize = 8;
 /// Times of the four stages of the classical Runge–Kutta method, in steps.
 const TIMES: [f64; 4] = [0.0, 0.5, 0.5, 1.0];
@@ -225,7 +225,7 @@ impl<V: Vector, const N: usize, const M: usize> Rollout<V, N, M> {
     }
 }
 
-/// Memory for the integration of several robots.
+/// Memory for the integration of up to [`TOGETHER`] robots.
 #[derive(Debug, Clone)]
 struct Group<V, const N: usize, const M: usize, const NY: usize> {
     bracket: Bracket,
@@ -237,10 +237,8 @@ struct Group<V, const N: usize, const M: usize, const NY: usize> {
 }
 
 impl<V: Vector, const N: usize, const M: usize, const NY: usize> Group<V, N, M, NY> {
-    /// Memory for `robots` robots, rounded up to whole vectors.
-    fn new(robots: usize) -> Self {
-        const { assert!(V::WIDTH == WIDTH, "each lane has one robot") };
-        let robots = robots.next_multiple_of(WIDTH);
+    fn new(model: &impl Discretizable<N, M, NY>) -> Self {
+        const { assert!(V::WIDTH == WIDTH && TOGETHER.is_multiple_of(WIDTH), "each lane has one robot") };
         let step = Step {
             coordinates: [0.0; NY],
             velocities: [0.0; N],
@@ -248,12 +246,12 @@ impl<V: Vector, const N: usize, const M: usize, const NY: usize> Group<V, N, M, 
             input: [[[0.0; M]; N]; 2],
         };
         Self {
-            bracket: Bracket::new::<N>(),
-            rollouts: vec![Rollout::new(N != NY); robots / WIDTH],
-            starts: Vec::with_capacity(robots),
-            points: Vec::with_capacity(robots),
-            linear: vec![Linearization::ZERO; robots],
-            steps: vec![step; robots],
+            bracket: Bracket::new(model),
+            rollouts: vec![Rollout::new(N != NY); TOGETHER / WIDTH],
+            starts: Vec::with_capacity(TOGETHER),
+            points: Vec::with_capacity(TOGETHER),
+            linear: vec![Linearization::ZERO; TOGETHER],
+            steps: vec![step; TOGETHER],
         }
     }
 
@@ -265,7 +263,6 @@ impl<V: Vector, const N: usize, const M: usize, const NY: usize> Group<V, N, M, 
         substeps: usize,
     ) -> &[Step<N, M, NY>] {
         let Self { bracket, rollouts, starts: first, points, linear, steps } = self;
-        bracket.learn(model);
         first.clear();
         first.extend(starts.take(steps.len()));
         let Some(last) = first.last() else { return &[] };
@@ -318,16 +315,16 @@ enum Engine<const N: usize, const M: usize, const NY: usize> {
 }
 
 impl<const N: usize, const M: usize, const NY: usize> Rollouts<N, M, NY> {
-    /// Selects the vector instructions and allocates all memory for `robots` robots.
-    pub fn new(robots: usize) -> Self {
+    /// Selects the vector instructions and allocates all memory.
+    pub fn new(model: &impl Discretizable<N, M, NY>) -> Self {
         #[cfg(all(target_arch = "x86_64", feature = "std"))]
         if has_avx2() {
-            return Self(Engine::Avx2(Group::new(robots)));
+            return Self(Engine::Avx2(Group::new(model)));
         }
-        Self(Engine::Portable(Group::new(robots)))
+        Self(Engine::Portable(Group::new(model)))
     }
 
-    /// Integrates from as many states as there are robots, over a period (s) in `parts` parts, each with the number of steps of
+    /// Integrates from up to [`TOGETHER`] states, over a period (s) in `parts` parts, each with the number of steps of
     /// [`Discretizable::SUBSTEPS`]. Further states are ignored.
     pub fn integrate<D: Discretizable<N, M, NY>>(
         &mut self,

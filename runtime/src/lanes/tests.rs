@@ -250,7 +250,7 @@ fn integrated<D, const N: usize, const M: usize, const NY: usize>(
 where
     D: Discretizable<N, M, NY>,
 {
-    Rollouts::new(TOGETHER).integrate(model, starts.iter().copied(), 0.02, 1).to_vec()
+    Rollouts::new(model).integrate(model, starts.iter().copied(), 0.02, 1).to_vec()
 }
 
 /// Two steps of one integration equal two integrations of one step. Derivatives are compared along a direction.
@@ -260,7 +260,7 @@ fn two_steps_are_composed<D, const N: usize, const M: usize, const NY: usize>(
 ) where
     D: Discretizable<N, M, NY>,
 {
-    let mut rollouts = Rollouts::new(1);
+    let mut rollouts = Rollouts::new(model);
     let mut steps = |start: Point<N, M, NY>, period: f64, count: usize| {
         rollouts.integrate(model, core::iter::once(start), period, count)[0]
     };

@@ -51,7 +51,8 @@ where
         D: PhaseSpace<NX>,
     {
         let horizon = Horizon::new(model, trajectory, options)?;
-        Ok(Self { horizon, rollouts: Rollouts::new(TOGETHER), prepared: f64::NAN })
+        let rollouts = Rollouts::new(horizon.model());
+        Ok(Self { horizon, rollouts, prepared: f64::NAN })
     }
 
     delegated_methods!();

@@ -353,3 +353,34 @@ fn add_scaled(sum: &mut [f64], factor: f64, of: &[f64]) {
         *sum += factor * entry;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "test code")]
+
+    use super::*;
+
+    gelenk_dynamics::dynamics!(struct PowerCube = gelenk_generated::powercube);
+
+    /// A difference between P and Pᵀ is not damped. It grew until the estimate was not finite, after minutes of motion.
+    #[test]
+    fn the_covariance_stays_symmetric() {
+        let noise = ObserverOptions { disturbance_noise: [0.1; 2], ..ObserverOptions::default() };
+        let mut observer = DisturbanceObserver::<2, 2>::new(noise).unwrap();
+        for k in 0..200 {
+            let t = 0.02 * f64::from(k);
+            observer.predict(&PowerCube, &[2.0 * t.sin(), t.cos()], 0.02, 12);
+            observer.correct(&[0.4 * t.sin(), -0.3 * t.cos()]);
+            let n = DisturbanceObserver::<2, 2>::SIZE;
+            for i in 0..n {
+                for j in 0..i {
+                    assert_eq!(
+                        observer.covariance[i * n + j],
+                        observer.covariance[j * n + i],
+                        "({i}, {j}), {k}"
+                    );
+                }
+            }
+        }
+    }
+}

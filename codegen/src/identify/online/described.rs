@@ -13,7 +13,7 @@ use gelenk_formula::Formula;
 pub struct DescribedForces {
     functions: [Function; 2],
     /// Function for the load-dependent friction per unit of load; `None` if the robot has no such friction.
-    shares: Option<[Function; 1]>,
+    shares: Option<Function>,
     free: Vec<f64>,
 }
 
@@ -33,7 +33,7 @@ impl DescribedForces {
         let shares = has_loads.then(|| derive(&model, [function_names::LOAD_FRICTION]));
         Ok(Self {
             functions: derive(&model, [function_names::INVERSE_DYNAMICS, function_names::FRICTION_TORQUES])?,
-            shares: shares.transpose()?,
+            shares: shares.transpose()?.map(|[function]| function),
             free: free(&model),
         })
     }
@@ -55,7 +55,7 @@ impl DescribedForces {
             let arguments = &[y, v][2 - function.program.inputs.len()..];
             result(function, arguments, &self.free)
         };
-        let shares = self.shares.as_ref().map_or_else(|| vec![0.0; v.len()], |[shares]| law(shares));
+        let shares = self.shares.as_ref().map_or_else(|| vec![0.0; v.len()], law);
         [result(inverse_dynamics, &[y, v, a], &self.free), law(friction), shares]
     }
 }

@@ -69,7 +69,10 @@ pub(super) fn drift(
     });
     let of_offset = offset.exceeds(NAMED_CHANGE * scale).then(|| {
         let change = with_error(offset.change, Some(offset.standard_error));
-        OFFSET_DRIFTS.found(format!("the offset of the efforts changes by {change} {} over the log, but the fit assumes a constant offset", data.unit))
+        let unit = data.unit;
+        OFFSET_DRIFTS.found(format!(
+            "the offset of the efforts changes by {change} {unit} over the log, but the fit assumes a constant offset"
+        ))
     });
     Ok(of_friction.into_iter().chain(of_offset).collect())
 }

@@ -78,8 +78,7 @@ impl Errors {
         binding: &DMatrix<f64>,
     ) -> Self {
         let gram = reduced.moments().gram().select_rows(active).select_columns(active);
-        let root = gram.clone().cholesky().map_or_else(|| 0.0 * &gram, |factor| factor.l().transpose());
-        let bread = inverse_on_face(root, &binding.select_columns(active));
+        let bread = inverse_on_face(root(&gram), &binding.select_columns(active));
         let count = shares.len() as f64;
         let mut scores = DMatrix::zeros(active.len(), active.len());
         for share in shares {
@@ -147,6 +146,14 @@ fn changes(
     &face * change(&gram(&sum), &gram(&away), &face.tr_mul(&left))
 }
 
+/// A matrix R with `RᵀR` = G. Combinations of columns that rounding makes indistinguishable from zero are zero in R.
+fn root(gram: &DMatrix<f64>) -> DMatrix<f64> {
+    let eigen = spectrum::symmetric_eigen(gram.clone());
+    let limit = 1e-14 * eigen.eigenvalues.amax();
+    let sizes = eigen.eigenvalues.map(|square| if square > limit { square.sqrt() } else { 0.0 });
+    DMatrix::from_diagonal(&sizes) * eigen.eigenvectors.transpose()
+}
+
 /// `(RᵀR)⁻¹` within the subspace that active constraints leave, by orthogonal factorization.
 fn inverse_on_face(root: DMatrix<f64>, binding: &DMatrix<f64>) -> DMatrix<f64> {
     let count = root.ncols();
@@ -171,4 +178,26 @@ fn null_space(rows: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
     let limit = 1e-10 * eigen.eigenvalues.amax();
     let kept: Vec<usize> = (0..count).filter(|&i| eigen.eigenvalues[i] <= limit).collect();
     eigen.eigenvectors.select_columns(&kept)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "test code")]
+
+    use super::*;
+
+    /// Equal columns and a column of zeros do not change the error of another column.
+    #[test]
+    fn the_inverse_of_dependent_columns_is_the_pseudo_inverse() {
+        let x = |i: usize| [(0.1 * i as f64).sin(), (0.37 * i as f64).cos(), 0.0];
+        let columns = DMatrix::from_fn(50, 4, |i, k| x(i)[[0, 1, 1, 2][k]]);
+        let gram = columns.tr_mul(&columns);
+        let found = inverse_on_face(root(&gram), &DMatrix::zeros(0, 4));
+        let expected = gram.clone().pseudo_inverse(1e-10).unwrap();
+        assert!((&found - &expected).amax() < 1e-12 * expected.amax(), "{found}{expected}");
+        assert!(found[(0, 0)] > 0.9 / gram[(0, 0)]);
+        let held = DMatrix::identity(4, 4).rows(1, 3).into_owned();
+        let alone = inverse_on_face(root(&gram), &held);
+        assert!((alone[(0, 0)] * gram[(0, 0)] - 1.0).abs() < 1e-12);
+    }
 }

@@ -28,20 +28,11 @@ pub(super) struct Chart<V, const N: usize, const M: usize> {
 pub(super) struct Bracket(Vec<([usize; 3], f64)>);
 
 impl Bracket {
-    /// Memory for the bracket of a robot with N velocities. A floating joint has 18 rows, a spherical joint has 6.
-    pub fn new<const N: usize>() -> Self {
-        Self(Vec::with_capacity(3 * N))
-    }
-
-    /// Sets the bracket to that of a robot at the first call. The bracket of a robot without quaternions is zero.
-    pub fn learn<const N: usize, const M: usize, const NY: usize>(
-        &mut self,
+    /// Bracket of a robot. A floating joint has 18 rows, a spherical joint has 6, and the other joints have none.
+    pub fn new<const N: usize, const M: usize, const NY: usize>(
         model: &impl Discretizable<N, M, NY>,
-    ) {
-        let Self(rows) = self;
-        if N == NY || !rows.is_empty() {
-            return;
-        }
+    ) -> Self {
+        let mut rows = Vec::new();
         for k in 0..N {
             let mut unit = [0.0; N];
             unit[k] = 1.0;
@@ -51,6 +42,7 @@ impl Bracket {
                 rows.extend(entries.map(|(j, entry)| ([i, k, j], -entry)));
             }
         }
+        Self(rows)
     }
 
     /// Computes `ad_a b` for each column of b.
